@@ -1,0 +1,133 @@
+//! Every way a request can be refused, as typed errors whose messages name the argument, what was
+//! found, what was expected and what to do next.
+//!
+//! Argument names in messages are those of the public interface (`positions`, `triangles`, `picks`).
+//! What is *not* an error: a line that did not converge (that is a stop reason in its report).
+
+use thiserror::Error;
+
+/// The mesh cannot be used.
+#[derive(Error, Clone, PartialEq, Debug)]
+pub enum MeshError {
+    /// A triangle names a vertex that does not exist.
+    #[error(
+        "triangles[{triangle}] names vertex {index}, but positions has {vertices} rows (0 to {}); \
+         correct the index or pass all positions", *vertices as i64 - 1
+    )]
+    IndexOutOfRange {
+        /// Row of `triangles`.
+        triangle: usize,
+        /// The value found there.
+        index: i128,
+        /// Rows of `positions`.
+        vertices: usize,
+    },
+    /// A vertex that a triangle uses is not at a finite place.
+    #[error(
+        "positions[{vertex}] is {position:?}, but a vertex used by a triangle (here triangles[{triangle}]) \
+         must be finite; correct or remove it"
+    )]
+    NotFinite {
+        /// Row of `positions`.
+        vertex: u32,
+        /// The value found there.
+        position: [f64; 3],
+        /// The first triangle that uses it.
+        triangle: usize,
+    },
+    /// A triangle that is not one: it names a vertex twice.
+    #[error(
+        "triangles[{triangle}] is {corners:?} and repeats a vertex; a triangle needs three different ones: \
+         remove such rows first"
+    )]
+    RepeatedVertex {
+        /// Row of `triangles`.
+        triangle: usize,
+        /// The value found there.
+        corners: [u32; 3],
+    },
+    /// `triangle_faces` does not fit `triangles`.
+    #[error("triangle_faces has {found} entries, but triangles has {expected} rows; pass one face id for each triangle")]
+    FaceCount {
+        /// Entries of `triangle_faces`.
+        found: usize,
+        /// Rows of `triangles`.
+        expected: usize,
+    },
+    /// A face id that cannot be one.
+    #[error("triangle_faces[{triangle}] is {face}, but a face id is from 0 to 4294967294; renumber the faces")]
+    FaceOutOfRange {
+        /// Entry of `triangle_faces`.
+        triangle: usize,
+        /// The value found there.
+        face: i128,
+    },
+    /// More elements than ids.
+    #[error("{argument} has {found} rows, but at most {limit} can be numbered; split the mesh")]
+    TooLarge {
+        /// `positions` or `triangles`.
+        argument: &'static str,
+        /// Rows found.
+        found: usize,
+        /// Most rows that can be handled.
+        limit: usize,
+    },
+}
+
+/// An argument of a request is out of its range, or arguments contradict each other.
+///
+/// `message` says what was found, what was expected and what to do.
+#[derive(Error, Clone, PartialEq, Eq, Debug)]
+#[error("{argument}: {message}")]
+pub struct OptionError {
+    /// The argument at fault, as the caller knows it.
+    pub argument: &'static str,
+    /// Found, expected, and the advice.
+    pub message: String,
+}
+
+impl OptionError {
+    /// An error about `argument`.
+    pub fn new(argument: &'static str, message: impl Into<String>) -> Self {
+        Self { argument, message: message.into() }
+    }
+}
+
+/// Why no line could be made.
+#[derive(Error, Clone, PartialEq, Debug)]
+pub enum Error {
+    /// See [`MeshError`].
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// See [`OptionError`].
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// Two consecutive picks cannot be joined.
+    #[error(
+        "picks {first} and {second} lie on parts of the mesh that are not connected ({parts} parts); \
+         join them or merge vertices by distance first"
+    )]
+    NoPath {
+        /// Position in `picks`.
+        first: usize,
+        /// Position in `picks`.
+        second: usize,
+        /// Parts of the mesh, where a part is what can be reached across edges of two triangles.
+        parts: usize,
+    },
+    /// A closed line shrank until nothing was left.
+    #[error(
+        "the closed line shrank to a point after {iterations} rounds: nothing on the surface holds it open; \
+         pin some picks (pinned=\"all\"), or use a filter that keeps the shape (fair with a detail_size)"
+    )]
+    Collapsed {
+        /// Rounds until then.
+        iterations: u32,
+    },
+    /// The observer asked to stop.
+    #[error("stopped by the caller before the line was finished")]
+    Interrupted,
+}
+
+/// What most functions return.
+pub type Result<T> = std::result::Result<T, Error>;
