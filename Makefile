@@ -1,0 +1,128 @@
+# The commands of this project; `make` alone lists them. Everything is set up in virtual environments of the
+# project's own (.venv, .venv-newest), from cargo, make, git and a Python 3.11.
+# Holds no logic of the tests or of the build: those are in cargo, maturin, pytest and blender_scripts.
+
+PYTHON ?= python3.11
+# The newest Blender runs on Python 3.13: used by the add-on's tests where such an interpreter is found.
+PYTHON_NEWEST ?= $(shell for p in python3.13 $(HOME)/.pyenv/versions/3.13*/bin/python3.13; do \
+    $$p -c '' 2>/dev/null && { echo $$p; break; }; done)
+
+VENV := .venv
+NEWEST := .venv-newest
+BIN := $(VENV)/bin
+WHEELS := dist/wheels
+STEP = @printf '\n=== %s\n'
+
+RUST_SOURCES := $(shell find rust -type f -not -path '*/target/*' -not -name '*.pyc' -not -name '*.so' 2>/dev/null)
+WHEEL_INPUTS := $(RUST_SOURCES) Cargo.toml Cargo.lock pyproject.toml README.md
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# A developer's own Blender start-up scripts have no business in here.
+unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help setup dev demo test test-rust test-native test-addon test-addon-newest test-package \
+    fmt lint wheel extension clean
+
+help: ## list the commands
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+# --- setting up -------------------------------------------------------------------------------------------
+
+setup: $(VENV)/.requirements.stamp ## make the virtual environment and install the pinned tools and Blender (bpy)
+
+$(VENV)/.requirements.stamp: requirements-dev.txt
+	$(STEP) "Setting up $(VENV) (downloads Blender once, about 400 MB)"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
+	    { echo "$(PYTHON) is not a Python 3.11, which bpy 4.2 needs; say where it is: make PYTHON=/path/to/python3.11"; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || { echo "Python's venv module is missing (Debian: apt-get install python3.11-venv)"; exit 1; }
+	$(BIN)/pip install --only-binary :all: -r requirements-dev.txt
+	@$(BIN)/python blender_scripts/check_blender.py
+	@touch $@
+
+$(NEWEST)/.requirements.stamp: requirements-dev.txt
+	$(STEP) "Setting up $(NEWEST) for the newest Blender (downloads about 400 MB)"
+	@$(PYTHON_NEWEST) -m venv $(NEWEST)
+	$(NEWEST)/bin/pip install --only-binary :all: -r requirements-dev.txt
+	@$(NEWEST)/bin/python blender_scripts/check_blender.py
+	@touch $@
+
+# --- building ---------------------------------------------------------------------------------------------
+
+wheel: $(WHEELS)/.built.stamp ## build the library's wheel into dist/wheels
+
+$(WHEELS)/.built.stamp: $(VENV)/.requirements.stamp $(WHEEL_INPUTS)
+	$(STEP) "Building the wheel"
+	@rm -rf $(WHEELS)
+	$(BIN)/maturin build --release --interpreter $(BIN)/python --out $(WHEELS)
+	@touch $@
+
+dev: $(VENV)/.wheel.stamp ## build the wheel and install it into the virtual environment
+
+$(VENV)/.wheel.stamp: $(WHEELS)/.built.stamp
+	$(BIN)/pip install --quiet --force-reinstall --no-deps --no-index $(WHEELS)/*.whl
+	@touch $@
+
+$(NEWEST)/.wheel.stamp: $(NEWEST)/.requirements.stamp $(WHEELS)/.built.stamp
+	$(NEWEST)/bin/pip install --quiet --force-reinstall --no-deps --no-index $(WHEELS)/*.whl
+	@touch $@
+
+extension: $(VENV)/.wheel.stamp ## build and validate the Blender extension (zip) for this platform, into dist/
+	$(STEP) "Building the extension"
+	$(BIN)/python blender_scripts/build_extension.py --wheels $(WHEELS) --output dist
+
+# --- trying it --------------------------------------------------------------------------------------------
+
+demo: $(VENV)/.wheel.stamp ## a line on Suzanne in real Blender: out/demo.blend, out/demo.png (MESH=path for your own mesh)
+	$(STEP) "Running the demo in Blender"
+	$(BIN)/python blender_scripts/demo.py --output out $(if $(MESH),--mesh "$(MESH)")
+
+# --- checking ---------------------------------------------------------------------------------------------
+
+test: test-rust test-native test-addon test-package test-addon-newest ## every test, Rust and Python, in real Blender where it matters
+	$(STEP) "All tests passed"
+
+test-rust: ## tests of the Rust workspace
+	$(STEP) "Rust tests"
+	cargo test --locked --workspace
+
+test-native: $(VENV)/.wheel.stamp ## tests of the wheel, with numpy alone
+	$(STEP) "Tests of the wheel"
+	$(BIN)/python -m pytest tests/native
+
+test-addon: $(VENV)/.wheel.stamp ## tests of the add-on, in the oldest Blender that we support
+	$(STEP) "Tests of the add-on"
+	$(BIN)/python -m pytest tests/addon
+
+test-package: $(VENV)/.wheel.stamp ## the rules of the repository; the extension zip: built, validated, installed
+	$(STEP) "Tests of the rules and of the extension package"
+	$(BIN)/python -m pytest tests/rules tests/package
+
+ifeq ($(PYTHON_NEWEST),)
+test-addon-newest:
+	$(STEP) "NOT RUN: the add-on's tests in the newest Blender: no Python 3.13 found (PYTHON_NEWEST=/path/to/python3.13)"
+else
+test-addon-newest: $(NEWEST)/.wheel.stamp ## tests of the wheel, the add-on and the package, in the newest Blender (Python 3.13)
+	$(STEP) "The same tests in the newest Blender"
+	$(NEWEST)/bin/python -m pytest tests/native
+	$(NEWEST)/bin/python -m pytest tests/addon
+	$(NEWEST)/bin/python -m pytest tests/package
+endif
+
+fmt: $(VENV)/.requirements.stamp ## format Rust and Python
+	cargo fmt --all
+	$(BIN)/ruff check --fix --select I .
+	$(BIN)/ruff format .
+
+lint: $(VENV)/.requirements.stamp ## formats, clippy, rustdoc, ruff: no change, no warning
+	$(STEP) "Lint"
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --locked --workspace --no-deps --document-private-items
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+clean: ## remove everything that was built, and the virtual environments
+	cargo clean
+	rm -rf $(VENV) $(NEWEST) dist out .pytest_cache .ruff_cache
