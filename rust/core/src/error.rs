@@ -47,7 +47,9 @@ pub enum MeshError {
         corners: [u32; 3],
     },
     /// `triangle_faces` does not fit `triangles`.
-    #[error("triangle_faces has {found} entries, but triangles has {expected} rows; pass one face id for each triangle")]
+    #[error(
+        "triangle_faces has {found} entries, but triangles has {expected} rows; pass one face id for each triangle"
+    )]
     FaceCount {
         /// Entries of `triangle_faces`.
         found: usize,
@@ -130,4 +132,4 @@ pub enum Error {
 }
 
 /// What most functions return.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -2,20 +2,26 @@
 //!
 //! The method is that of G.-P. Bonneau and S. Hahmann, *Smooth Polylines on Polygon Meshes* (2003), called "the
 //! paper" throughout: picks are joined by a strip of triangles (step B, [`search`] and [`strip`]), the vertices of a
-//! polyline slide on the strip's inner edges (step C, [`filter`] and [`relax`]), and where they meet mesh vertices
-//! the strip is changed (step D, [`vertex_pass`]). [`smooth`] drives the steps.
+//! polyline slide on the strip's inner edges (step C), and where they meet mesh vertices the strip is changed
+//! (step D). [`smooth`] drives the steps.
 //!
 //! This crate knows geometry alone: no Python, no files, no printing, no clock.
 
 #![forbid(unsafe_code)]
 
+pub mod adjacency;
 pub mod error;
 pub mod ids;
+pub mod join;
 pub mod mesh;
 pub mod options;
+pub mod polygons;
 pub mod polyline;
 pub mod report;
+pub mod route;
+pub mod search;
 pub mod smooth;
+pub mod strip;
 pub mod surface_point;
 
 pub use error::{Error, MeshError, OptionError, Result};

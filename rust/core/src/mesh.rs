@@ -1,17 +1,271 @@
-//! skeleton
-#![allow(missing_docs, clippy::todo)]
+//! The mesh that lines are drawn on: positions, triangles, adjacency, polygons and the dual graph, checked once.
+//!
+//! Holds what every line on the mesh shares. Never changes after it was made, so it can be used by many threads.
+
+use std::sync::OnceLock;
+
 use glam::DVec3;
-use crate::{error::*, surface_point::*};
+
+use crate::adjacency::{Adjacency, VertexKind, other_spoke};
+use crate::error::{MeshError, OptionError};
+use crate::ids::{HalfedgeId, TriangleId, VertexId};
+use crate::polygons::{Polygons, middle_triangle};
+use crate::search::DualGraph;
+use crate::surface_point::{Pick, SurfacePoint};
+
+/// Half-edge ids are `u32` and the last one marks "none".
+const MAX_TRIANGLES: usize = (u32::MAX as usize - 1) / 3;
+
+/// What was found on a mesh when it was opened.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct MeshReport { pub vertices: usize, pub triangles: usize, pub faces: usize, pub edges: usize, pub boundary_edges: usize, pub wall_edges: usize, pub pinched_vertices: usize, pub parts: usize, pub unreferenced_vertices: usize, pub zero_area_triangles: usize }
+pub struct MeshReport {
+    /// Rows of `positions`.
+    pub vertices: usize,
+    /// Rows of `triangles`.
+    pub triangles: usize,
+    /// Different ids in `triangle_faces`; the triangles where it was not given.
+    pub faces: usize,
+    /// Edges, each counted once.
+    pub edges: usize,
+    /// Edges of one triangle.
+    pub boundary_edges: usize,
+    /// Edges of three or more triangles: walls that a line does not cross.
+    pub wall_edges: usize,
+    /// Vertices whose triangles form more than one fan: never passed over.
+    pub pinched_vertices: usize,
+    /// Parts that are not connected across crossable edges.
+    pub parts: usize,
+    /// Vertices that no triangle uses.
+    pub unreferenced_vertices: usize,
+    /// Triangles whose area is 0 in floating point.
+    pub zero_area_triangles: usize,
+}
+
+/// A triangle mesh, ready to draw lines on.
 #[derive(Debug)]
-pub struct SurfaceMesh;
+pub struct SurfaceMesh {
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    adjacency: Adjacency,
+    polygons: Option<Polygons>,
+    dual_graph: DualGraph,
+    report: OnceLock<MeshReport>,
+}
+
 impl SurfaceMesh {
-    /// `triangle_faces`: the polygon of each triangle.
-    pub fn new(_positions: Vec<DVec3>, _triangles: Vec<[u32; 3]>, _triangle_faces: Option<Vec<u32>>) -> std::result::Result<Self, MeshError> { todo!() }
-    pub fn report(&self) -> MeshReport { todo!() }
-    pub fn positions(&self) -> &[DVec3] { todo!() }
-    pub fn triangles(&self) -> &[[u32; 3]] { todo!() }
-    /// Where surface points lie when the vertices are at `positions` (one a row of the mesh's own).
-    pub fn positions_of(&self, _points: &[SurfacePoint], _positions: &[DVec3]) -> Vec<DVec3> { todo!() }
+    /// A mesh of `positions` (any unit) and `triangles` (rows of `positions`, any winding).
+    ///
+    /// `triangle_faces`: the polygon of each triangle, for picks by face; without it a face is a triangle.
+    ///
+    /// # Errors
+    /// The first index out of range, repeated vertex, or referenced position that is not finite; wrong sizes.
+    ///
+    /// Cost: O(triangles); about 100 bytes a triangle are kept.
+    pub fn new(
+        positions: Vec<DVec3>,
+        triangles: Vec<[u32; 3]>,
+        triangle_faces: Option<Vec<u32>>,
+    ) -> Result<Self, MeshError> {
+        check_sizes(&positions, &triangles, triangle_faces.as_deref())?;
+        check_triangles(&positions, &triangles)?;
+        let adjacency = Adjacency::new(&triangles, positions.len());
+        let dual_graph = DualGraph::new(&positions, &triangles, &adjacency);
+        let polygons = triangle_faces.map(Polygons::new);
+        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, report: OnceLock::new() })
+    }
+
+    /// What was found on the mesh. The first call counts parts, at O(triangles).
+    pub fn report(&self) -> MeshReport {
+        *self.report.get_or_init(|| {
+            let counts = self.adjacency.counts();
+            let is_flat = |t: &&[u32; 3]| {
+                let [a, b, c] = t.map(|v| self.positions[v as usize]);
+                (b - a).cross(c - a).length_squared() == 0.0
+            };
+            MeshReport {
+                vertices: self.positions.len(),
+                triangles: self.triangles.len(),
+                faces: self.polygons.as_ref().map_or(self.triangles.len(), Polygons::count),
+                edges: counts.edges,
+                boundary_edges: counts.boundary_edges,
+                wall_edges: counts.wall_edges,
+                pinched_vertices: counts.pinched_vertices,
+                parts: self.adjacency.count_parts(),
+                unreferenced_vertices: counts.unreferenced_vertices,
+                zero_area_triangles: self.triangles.iter().filter(is_flat).count(),
+            }
+        })
+    }
+
+    /// Where the vertices are.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// Corners of every triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The polygon of every triangle, where it was given.
+    pub fn triangle_faces(&self) -> Option<&[u32]> {
+        self.polygons.as_ref().map(Polygons::faces)
+    }
+
+    /// Twins and fans.
+    pub fn adjacency(&self) -> &Adjacency {
+        &self.adjacency
+    }
+
+    /// The graph that step B searches.
+    pub fn dual_graph(&self) -> &DualGraph {
+        &self.dual_graph
+    }
+
+    /// Where a vertex is.
+    #[inline]
+    pub fn position(&self, vertex: VertexId) -> DVec3 {
+        self.positions[vertex.index()]
+    }
+
+    /// Vertices of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: TriangleId) -> [VertexId; 3] {
+        self.triangles[triangle.index()].map(VertexId)
+    }
+
+    /// The two ends of a half-edge, in the order of its triangle.
+    #[inline]
+    pub fn ends(&self, halfedge: HalfedgeId) -> [VertexId; 2] {
+        let corners = &self.triangles[halfedge.triangle().index()];
+        let side = halfedge.side() as usize;
+        [VertexId(corners[side]), VertexId(corners[(side + 1) % 3])]
+    }
+
+    /// The two ends of an edge, lower id first: the direction of crossing parameters, the same from both sides.
+    #[inline]
+    pub fn sorted_ends(&self, halfedge: HalfedgeId) -> [VertexId; 2] {
+        let [a, b] = self.ends(halfedge);
+        if a < b { [a, b] } else { [b, a] }
+    }
+
+    /// The corner of a half-edge's triangle that is not on it.
+    #[inline]
+    pub fn apex(&self, halfedge: HalfedgeId) -> VertexId {
+        VertexId(self.triangles[halfedge.triangle().index()][((halfedge.side() + 2) % 3) as usize])
+    }
+
+    /// See [`Adjacency::twin`].
+    #[inline]
+    pub fn twin(&self, halfedge: HalfedgeId) -> Option<HalfedgeId> {
+        self.adjacency.twin(halfedge)
+    }
+
+    /// See [`other_spoke`].
+    #[inline]
+    pub fn other_spoke(&self, halfedge: HalfedgeId, vertex: VertexId) -> HalfedgeId {
+        other_spoke(&self.triangles, halfedge, vertex)
+    }
+
+    /// Whether `vertex` is an end of `halfedge`.
+    #[inline]
+    pub fn touches(&self, halfedge: HalfedgeId, vertex: VertexId) -> bool {
+        let [a, b] = self.ends(halfedge);
+        a == vertex || b == vertex
+    }
+
+    /// Whether a line may be passed from one side of `vertex` to the other.
+    #[inline]
+    pub fn is_passable(&self, vertex: VertexId) -> bool {
+        self.adjacency.kind(vertex) == VertexKind::Inner
+    }
+
+    /// Where a surface point lies.
+    #[inline]
+    pub fn position_of(&self, point: &SurfacePoint) -> DVec3 {
+        point.position(self.triangles[point.triangle.index()].map(|v| self.positions[v as usize]))
+    }
+
+    /// Where surface points lie when the vertices are at `positions`, which must have a row for each of the mesh's.
+    pub fn positions_of(&self, points: &[SurfacePoint], positions: &[DVec3]) -> Result<Vec<DVec3>, OptionError> {
+        if positions.len() != self.positions.len() {
+            return Err(OptionError::new(
+                "positions",
+                format!(
+                    "found {} rows, expected {}, one for each vertex of the mesh that the line was made on",
+                    positions.len(),
+                    self.positions.len()
+                ),
+            ));
+        }
+        let at = |p: &SurfacePoint| p.position(self.triangles[p.triangle.index()].map(|v| positions[v as usize]));
+        Ok(points.iter().map(at).collect())
+    }
+
+    /// The surface point that pick number `pick_index` means, or what is wrong with it.
+    pub fn resolve_pick(&self, pick_index: usize, pick: &Pick) -> Result<SurfacePoint, OptionError> {
+        let triangle_in_range = |id: i128| {
+            (0..self.triangles.len() as i128).contains(&id).then_some(TriangleId(id as u32)).ok_or_else(|| {
+                OptionError::new(
+                    "picks",
+                    format!(
+                        "pick {pick_index} is triangle {id}, but the mesh has {} triangles (0 to {}); pick one of them",
+                        self.triangles.len(),
+                        self.triangles.len() as i64 - 1
+                    ),
+                )
+            })
+        };
+        match (*pick, &self.polygons) {
+            (Pick::Point { triangle, barycentric }, _) => {
+                SurfacePoint::checked(triangle_in_range(triangle)?, barycentric, "picks")
+                    .map_err(|e| OptionError::new("picks", format!("pick {pick_index}: {}", e.message)))
+            }
+            (Pick::Face(id), None) => Ok(SurfacePoint::barycentre(triangle_in_range(id)?)),
+            (Pick::Face(id), Some(polygons)) => {
+                let members = u32::try_from(id).map(|face| polygons.triangles_of(face)).unwrap_or_default();
+                let middle = middle_triangle(&members, &self.triangles, &self.positions);
+                middle.map(SurfacePoint::barycentre).ok_or_else(|| {
+                    OptionError::new(
+                        "picks",
+                        format!("pick {pick_index} is face {id}, which no entry of triangle_faces names; pick a face that has triangles"),
+                    )
+                })
+            }
+        }
+    }
+}
+
+fn check_sizes(positions: &[DVec3], triangles: &[[u32; 3]], faces: Option<&[u32]>) -> Result<(), MeshError> {
+    let too_large = |argument, found, limit| Err(MeshError::TooLarge { argument, found, limit });
+    if triangles.len() > MAX_TRIANGLES {
+        return too_large("triangles", triangles.len(), MAX_TRIANGLES);
+    }
+    if positions.len() > u32::MAX as usize {
+        return too_large("positions", positions.len(), u32::MAX as usize);
+    }
+    match faces {
+        Some(faces) if faces.len() != triangles.len() => {
+            Err(MeshError::FaceCount { found: faces.len(), expected: triangles.len() })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_triangles(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    for (triangle, &corners) in triangles.iter().enumerate() {
+        for v in corners {
+            let Some(p) = positions.get(v as usize) else {
+                return Err(MeshError::IndexOutOfRange { triangle, index: v.into(), vertices: positions.len() });
+            };
+            if !p.is_finite() {
+                return Err(MeshError::NotFinite { vertex: v, position: p.to_array(), triangle });
+            }
+        }
+        let [a, b, c] = corners;
+        if a == b || b == c || c == a {
+            return Err(MeshError::RepeatedVertex { triangle, corners });
+        }
+    }
+    Ok(())
 }

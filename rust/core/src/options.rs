@@ -106,11 +106,17 @@ impl Options {
         if !(self.threshold.is_finite() && self.threshold > 0.0) {
             return Err(OptionError::new(
                 "threshold",
-                format!("found {}, expected a finite number above 0 (barycentric units; the default is 1e-4)", self.threshold),
+                format!(
+                    "found {}, expected a finite number above 0 (barycentric units; the default is 1e-4)",
+                    self.threshold
+                ),
             ));
         }
         if self.max_iterations == Some(0) {
-            return Err(OptionError::new("max_iterations", "found 0, expected at least 1, or None for the filter's own limit"));
+            return Err(OptionError::new(
+                "max_iterations",
+                "found 0, expected at least 1, or None for the filter's own limit",
+            ));
         }
         if let Some(size) = self.detail_size {
             if self.filter != Filter::Fair {

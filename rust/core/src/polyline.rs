@@ -1,13 +1,268 @@
-//! skeleton
-#![allow(missing_docs, clippy::todo)]
+//! The finished line: its points, where each lies on the mesh, the triangles between them, and its compact form.
+//!
+//! Made from a `Route` in one place, so that a fresh line and one read back from bytes are equal to the bit. Holds no
+//! smoothing.
+
 use glam::DVec3;
-use crate::{error::*, ids::*, mesh::*, report::*, surface_point::*};
-#[derive(Clone, Debug)]
-pub struct Polyline { pub closed: bool, pub points: Vec<DVec3>, pub surface_points: Vec<SurfacePoint>, pub segment_triangles: Vec<TriangleId>, pub strip: Vec<TriangleId>, pub report: Report }
+
+use crate::error::OptionError;
+use crate::ids::{HalfedgeId, TriangleId};
+use crate::mesh::SurfaceMesh;
+use crate::report::Report;
+use crate::route::{Leg, Route, Spot, crossing_point, crossing_spot, spot_of};
+use crate::strip::{decode_word, encode_word, entered_triangle};
+use crate::surface_point::SurfacePoint;
+
+/// A smooth line on a mesh.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Polyline {
+    /// Whether a last segment leads from the last point to the first.
+    pub closed: bool,
+    /// The start, the crossings of edges, the pins, the end; consecutive ones differ.
+    pub points: Vec<DVec3>,
+    /// Where each point lies; `points[i]` is exactly its position.
+    pub surface_points: Vec<SurfacePoint>,
+    /// The triangle that holds segment `i` whole.
+    pub segment_triangles: Vec<TriangleId>,
+    /// The triangles of the strip in order; a closed line does not repeat the first.
+    pub strip: Vec<TriangleId>,
+    /// Pins, words and parameters that the line is made from.
+    pub route: Route,
+    /// How it was made; default for a line read from bytes.
+    pub report: Report,
+}
+
+/// A stop of the line: where it is, and the triangle that the next segment lies in.
+struct Stop {
+    spot: Spot,
+    surface_point: SurfacePoint,
+    after: TriangleId,
+    is_pin: bool,
+}
+
 impl Polyline {
-    pub fn length(&self) -> f64 { todo!() }
-    /// One bool a step of the strip (strip.len() - 2 of them, or so).
-    pub fn strip_bits(&self) -> Vec<bool> { todo!() }
-    pub fn to_bytes(&self) -> Vec<u8> { todo!() }
-    pub fn from_bytes(_mesh: &SurfaceMesh, _bytes: &[u8]) -> std::result::Result<Self, OptionError> { todo!() }
+    /// Puts the points of a route together; `None` when legs and pins do not fit.
+    pub fn assemble(mesh: &SurfaceMesh, route: Route, report: Report) -> Option<Self> {
+        let (strip, stops) = walk(mesh, &route)?;
+        let surface_points: Vec<_> = stops.iter().map(|s| s.surface_point).collect();
+        let points = surface_points.iter().map(|p| mesh.position_of(p)).collect();
+        let segments = if route.closed { stops.len() } else { stops.len().saturating_sub(1) };
+        let segment_triangles = stops.iter().take(segments).map(|s| s.after).collect();
+        Some(Self { closed: route.closed, points, surface_points, segment_triangles, strip, route, report })
+    }
+
+    /// The length, in the units of the positions.
+    pub fn length(&self) -> f64 {
+        length_of(&self.points, self.closed)
+    }
+
+    /// The strip's compact form: for each leg what [`encode_word`] gives. With the first triangle and the number of
+    /// letters a leg it gives the strip back.
+    pub fn strip_bits(&self, mesh: &SurfaceMesh) -> Vec<bool> {
+        self.route.legs.iter().flat_map(|leg| encode_word(mesh, &leg.word)).collect()
+    }
+
+    /// The whole line as bytes, little-endian: head, pins, then for each leg its first triangle, one bit a step and one
+    /// parameter (f64) a crossing. [`Polyline::from_bytes`] on the same mesh gives an equal line.
+    pub fn to_bytes(&self, mesh: &SurfaceMesh) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        let mut put = |n: usize| bytes.extend((n as u32).to_le_bytes());
+        put(mesh.triangles().len());
+        put(usize::from(self.route.closed));
+        put(self.route.pins.len());
+        put(self.route.legs.len());
+        for pin in &self.route.pins {
+            bytes.extend(pin.triangle.0.to_le_bytes());
+            bytes.extend(pin.barycentric.iter().flat_map(|b| b.to_le_bytes()));
+        }
+        for leg in &self.route.legs {
+            bytes.extend(leg.first.0.to_le_bytes());
+            bytes.extend((leg.word.len() as u32).to_le_bytes());
+            let bits = encode_word(mesh, &leg.word);
+            bytes.extend(bits.chunks(8).map(|byte| byte.iter().rev().fold(0u8, |sum, &b| sum << 1 | u8::from(b))));
+            bytes.extend(leg.parameters.iter().flat_map(|t| t.to_le_bytes()));
+        }
+        bytes
+    }
+
+    /// The line that [`Polyline::to_bytes`] wrote for the same mesh.
+    ///
+    /// # Errors
+    /// Bytes that are no line, or a line of another mesh.
+    pub fn from_bytes(mesh: &SurfaceMesh, bytes: &[u8]) -> Result<Self, OptionError> {
+        let refuse = |why: &str| {
+            OptionError::new("data", format!("{why}; pass bytes that to_bytes() wrote for a line of this very mesh"))
+        };
+        let route =
+            read_route(mesh, &mut Reader { bytes }).ok_or_else(|| refuse("the bytes are not a line of this mesh"))?;
+        Self::assemble(mesh, route, Report::default()).ok_or_else(|| refuse("the legs of the line do not fit its pins"))
+    }
+}
+
+/// Length of a chain of points.
+pub fn length_of(points: &[DVec3], closed: bool) -> f64 {
+    let open: f64 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
+    match (closed, points.first(), points.last()) {
+        (true, Some(first), Some(last)) => open + last.distance(*first),
+        _ => open,
+    }
+}
+
+/// The strip and the stops of a route, equal neighbours merged.
+fn walk(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<TriangleId>, Vec<Stop>)> {
+    let mut strip = Vec::new();
+    let mut stops: Vec<Stop> = Vec::new();
+    let mut triangle = match (route.legs.first(), route.pins.first()) {
+        (Some(leg), _) => leg.first,
+        (None, Some(pin)) => pin.triangle,
+        (None, None) => return None,
+    };
+    strip.push(triangle);
+    for k in 0..route.pins.len().max(route.legs.len()) {
+        if let Some(pin) = route.pins.get(k) {
+            // The turn at the first pin of a closed line comes at the end of the walk.
+            let join = if k == 0 { Vec::new() } else { route.join(mesh, k)? };
+            for &h in &join {
+                triangle = entered_triangle(mesh, h);
+                strip.push(triangle);
+            }
+            push_stop(
+                &mut stops,
+                Stop { spot: spot_of(mesh, pin), surface_point: *pin, after: triangle, is_pin: true },
+            );
+        }
+        let Some(leg) = route.legs.get(k) else { continue };
+        if leg.first != triangle {
+            return None;
+        }
+        for (&h, &t) in leg.word.iter().zip(&leg.parameters) {
+            triangle = entered_triangle(mesh, h);
+            strip.push(triangle);
+            let surface_point = crossing_point(mesh, h, t);
+            push_stop(
+                &mut stops,
+                Stop { spot: crossing_spot(mesh, h, t), surface_point, after: triangle, is_pin: false },
+            );
+        }
+    }
+    if route.closed {
+        if !route.pins.is_empty() {
+            for h in route.join(mesh, 0)? {
+                triangle = entered_triangle(mesh, h);
+                strip.push(triangle);
+            }
+        }
+        if strip.len() > 1 && strip.last() == strip.first() {
+            strip.pop();
+        }
+        while stops.len() > 1
+            && stops.first().zip(stops.last()).is_some_and(|(a, b)| a.spot == b.spot && !b.is_inside())
+        {
+            stops.pop();
+        }
+    } else if let Some(pin) = route.pins.last() {
+        // The strip must end where the last pin is, also when the fan round it was not walked.
+        if join_missing(mesh, pin, triangle) {
+            return None;
+        }
+    }
+    Some((strip, stops))
+}
+
+fn join_missing(mesh: &SurfaceMesh, pin: &SurfacePoint, last: TriangleId) -> bool {
+    !crate::route::triangles_round(mesh, pin).contains(&last)
+}
+
+impl Stop {
+    fn is_inside(&self) -> bool {
+        matches!(self.spot, Spot::Inside(_))
+    }
+}
+
+/// Appends a stop, or merges it with the one before when both are at the same place of the mesh.
+fn push_stop(stops: &mut Vec<Stop>, stop: Stop) {
+    match stops.last_mut() {
+        Some(last)
+            if last.spot == stop.spot
+                && (!last.is_inside() || last.surface_point.barycentric == stop.surface_point.barycentric) =>
+        {
+            last.after = stop.after;
+            // A pin keeps its own coordinates, which the caller gave.
+            if stop.is_pin && !last.is_pin {
+                last.surface_point = stop.surface_point;
+                last.is_pin = true;
+            }
+        }
+        _ => stops.push(stop),
+    }
+}
+
+const MAGIC: &[u8] = b"SPL1";
+
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (head, tail) = self.bytes.split_at_checked(count)?;
+        self.bytes = tail;
+        Some(head)
+    }
+
+    fn read_u32(&mut self) -> Option<u32> {
+        self.take(4)?.try_into().ok().map(u32::from_le_bytes)
+    }
+
+    fn read_f64(&mut self) -> Option<f64> {
+        self.take(8)?.try_into().ok().map(f64::from_le_bytes)
+    }
+
+    fn read_triangle(&mut self, mesh: &SurfaceMesh) -> Option<TriangleId> {
+        self.read_u32().filter(|&t| (t as usize) < mesh.triangles().len()).map(TriangleId)
+    }
+}
+
+fn read_route(mesh: &SurfaceMesh, reader: &mut Reader) -> Option<Route> {
+    if reader.take(MAGIC.len())? != MAGIC || reader.read_u32()? as usize != mesh.triangles().len() {
+        return None;
+    }
+    let closed = match reader.read_u32()? {
+        0 => false,
+        1 => true,
+        _ => return None,
+    };
+    let (pin_count, leg_count) = (reader.read_u32()? as usize, reader.read_u32()? as usize);
+    let is_consistent = if closed { leg_count == pin_count.max(1) } else { leg_count + 1 == pin_count };
+    if !is_consistent {
+        return None;
+    }
+    let mut pins = Vec::new();
+    for _ in 0..pin_count {
+        let triangle = reader.read_triangle(mesh)?;
+        let barycentric = [reader.read_f64()?, reader.read_f64()?, reader.read_f64()?];
+        let pin = SurfacePoint::checked(triangle, barycentric, "data").ok()?;
+        // A pin that would be changed by the check was not written by `to_bytes`.
+        pins.push(SurfacePoint { triangle, barycentric });
+        let is_near = pin.barycentric.iter().zip(barycentric).all(|(a, b)| (a - b).abs() <= f64::EPSILON);
+        if !is_near {
+            return None;
+        }
+    }
+    let mut legs = Vec::new();
+    for _ in 0..leg_count {
+        let first = reader.read_triangle(mesh)?;
+        let letters = reader.read_u32()? as usize;
+        let bit_count = if letters == 0 { 0 } else { letters + 1 };
+        let packed = reader.take(bit_count.div_ceil(8))?;
+        let bits: Vec<bool> = (0..bit_count).map(|i| packed[i / 8] >> (i % 8) & 1 == 1).collect();
+        let word: Vec<HalfedgeId> = decode_word(mesh, first, &bits)?;
+        let mut parameters = Vec::new();
+        for _ in 0..letters {
+            parameters.push(reader.read_f64().filter(|t| (0.0..=1.0).contains(t))?);
+        }
+        legs.push(Leg { first, word, parameters });
+    }
+    let is_round = !closed || pin_count > 0 || legs[0].last_triangle(mesh) == legs[0].first;
+    (reader.bytes.is_empty() && is_round).then_some(Route { closed, pins, legs })
 }

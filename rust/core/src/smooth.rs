@@ -1,6 +1,81 @@
-//! skeleton
-#![allow(missing_docs, clippy::todo)]
-use crate::{error::*, mesh::*, options::*, polyline::*, report::*, surface_point::*};
-pub fn polyline(_mesh: &SurfaceMesh, _picks: &[Pick], _options: &Options, _observer: &mut dyn Observer) -> Result<Polyline> { todo!() }
-/// One result a connection; the outer error is for wrong arguments (a connection out of range).
-pub fn network(_mesh: &SurfaceMesh, _picks: &[Pick], _connections: &[[i128; 2]], _options: &Options, _observer: &mut dyn Observer) -> Result<Vec<Result<Polyline>>> { todo!() }
+//! The driver: options are checked, picks joined (steps A and B), the line smoothed (steps C and D), and put together.
+//!
+//! Holds no geometry of its own; every step lies in a room of its own.
+
+use std::ops::ControlFlow;
+
+use crate::error::{Error, OptionError, Result};
+use crate::join::join_picks;
+use crate::mesh::SurfaceMesh;
+use crate::options::{Filter, Options};
+use crate::polyline::Polyline;
+use crate::report::{Observer, Report, Step};
+use crate::surface_point::Pick;
+
+/// A smooth line through or near `picks`.
+///
+/// # Errors
+/// Options or picks out of range, picks that are not connected, a closed line that collapses, or
+/// [`Error::Interrupted`] when the observer says so.
+pub fn polyline(
+    mesh: &SurfaceMesh,
+    picks: &[Pick],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Polyline> {
+    options.check()?;
+    let mut report = Report::default();
+    go_on(observer, Step::Search)?;
+    let route = join_picks(mesh, picks, options, &mut report, observer)?;
+    if options.filter != Filter::None {
+        return Err(OptionError::new("filter", "not yet").into());
+    }
+    go_on(observer, Step::Assemble)?;
+    Ok(finish(mesh, route, report))
+}
+
+/// Several lines on one set of picks: one result for each of `connections`, which are pairs of positions in `picks`.
+///
+/// # Errors
+/// Options out of range, or a connection that names no pick; what befalls a single line is in its own result.
+pub fn network(
+    mesh: &SurfaceMesh,
+    picks: &[Pick],
+    connections: &[[i128; 2]],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Result<Polyline>>> {
+    options.check()?;
+    if options.closed {
+        return Err(
+            OptionError::new("closed", "the lines of a network are open; connect its picks in a ring instead").into()
+        );
+    }
+    for (row, connection) in connections.iter().enumerate() {
+        if let Some(index) = connection.iter().find(|&&i| !(0..picks.len() as i128).contains(&i)) {
+            let message = format!("row {row} names pick {index}, but there are {} picks (counted from 0)", picks.len());
+            return Err(OptionError::new("connections", message).into());
+        }
+    }
+    let mut lines = Vec::with_capacity(connections.len());
+    for connection in connections {
+        let ends = connection.map(|i| picks[i as usize]);
+        let line = polyline(mesh, &ends, options, observer);
+        if line == Err(Error::Interrupted) {
+            return Err(Error::Interrupted);
+        }
+        lines.push(line);
+    }
+    Ok(lines)
+}
+
+fn finish(mesh: &SurfaceMesh, route: crate::route::Route, report: Report) -> Polyline {
+    Polyline::assemble(mesh, route, report).expect("legs of a route that the driver made fit its pins")
+}
+
+fn go_on(observer: &mut dyn Observer, step: Step) -> Result<()> {
+    match observer.step(step) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::Interrupted),
+    }
+}

@@ -1,0 +1,214 @@
+//! A line as strips and parameters: the working form that filters change and from which points are made.
+//!
+//! Holds the pins, the legs between them, and where a crossing lies on its edge. Points and segments of the finished
+//! line are made in `polyline`.
+
+use glam::DVec3;
+
+use crate::ids::{HalfedgeId, TriangleId, VertexId};
+use crate::mesh::SurfaceMesh;
+use crate::strip::{entered_triangle, turn_word};
+use crate::surface_point::SurfacePoint;
+
+/// The stretch of a line between two pins, or a whole closed line without pins.
+///
+/// Crossing `i` lies on the edge of `word[i]` at `(1 - t) low + t high`, where `t = parameters[i]` in 0..=1 and `low` is
+/// the end with the lower vertex id. At 0 or 1 the line runs through a mesh vertex.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Leg {
+    /// The triangle that the leg starts in.
+    pub first: TriangleId,
+    /// Reduced word of crossed half-edges, each seen from the triangle that is left.
+    pub word: Vec<HalfedgeId>,
+    /// One a letter.
+    pub parameters: Vec<f64>,
+}
+
+/// A whole line: pins and the legs between them.
+///
+/// Open: one leg fewer than pins. Closed: as many legs as pins, the last one back to the first pin; or no pin and one
+/// leg whose last letter enters the triangle that its first letter leaves.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Route {
+    /// Whether the line is closed.
+    pub closed: bool,
+    /// Points that the line passes through exactly, in order.
+    pub pins: Vec<SurfacePoint>,
+    /// The stretches between them.
+    pub legs: Vec<Leg>,
+}
+
+/// Where on the mesh a point of a line lies.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Spot {
+    /// On a mesh vertex.
+    Vertex(VertexId),
+    /// Inside an edge: the lower of its half-edges, and the parameter from the lower end.
+    Edge(HalfedgeId, f64),
+    /// Inside a triangle.
+    Inside(TriangleId),
+}
+
+impl Leg {
+    /// A leg through the midpoints of its edges: the first polyline of step B.
+    pub fn through_midpoints(first: TriangleId, word: Vec<HalfedgeId>) -> Self {
+        let parameters = vec![0.5; word.len()];
+        Self { first, word, parameters }
+    }
+
+    /// The triangle that the leg ends in.
+    pub fn last_triangle(&self, mesh: &SurfaceMesh) -> TriangleId {
+        self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h))
+    }
+
+    /// Snaps crossings that cannot be told from a mesh vertex in floating point to that vertex, so that it appears
+    /// once on the line instead of as a cluster of equal points.
+    pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh) {
+        for (&h, t) in self.word.iter().zip(&mut self.parameters) {
+            let point = crossing_position(mesh, h, *t);
+            let [low, high] = mesh.sorted_ends(h);
+            if point == mesh.position(low) {
+                *t = 0.0;
+            } else if point == mesh.position(high) {
+                *t = 1.0;
+            }
+        }
+        for i in 1..self.word.len() {
+            let (h, k) = (self.word[i - 1], self.word[i]);
+            let is_equal =
+                crossing_position(mesh, h, self.parameters[i - 1]) == crossing_position(mesh, k, self.parameters[i]);
+            let spots = (crossing_spot(mesh, h, self.parameters[i - 1]), crossing_spot(mesh, k, self.parameters[i]));
+            if is_equal && matches!(spots, (Spot::Edge(..), _) | (_, Spot::Edge(..))) {
+                // Neighbouring edges of a strip share one end; two equal points on them are within rounding of it.
+                let shared = mesh.ends(h).into_iter().find(|&v| mesh.touches(k, v));
+                if let Some(v) = shared {
+                    self.parameters[i - 1] = parameter_at(mesh, h, v);
+                    self.parameters[i] = parameter_at(mesh, k, v);
+                }
+            }
+        }
+    }
+}
+
+impl Route {
+    /// The pin that a leg starts at, if any.
+    pub fn start_pin(&self, leg: usize) -> Option<&SurfacePoint> {
+        self.pins.get(leg)
+    }
+
+    /// The pin that a leg ends at, if any.
+    pub fn end_pin(&self, leg: usize) -> Option<&SurfacePoint> {
+        if self.pins.is_empty() { None } else { self.pins.get((leg + 1) % self.pins.len()) }
+    }
+
+    /// The letters that lead, round pin `pin`, from the end of the leg before it to the start of the leg after it; empty
+    /// at the ends of an open line. `None` when the two do not fit.
+    pub fn join(&self, mesh: &SurfaceMesh, pin: usize) -> Option<Vec<HalfedgeId>> {
+        let before = match pin.checked_sub(1) {
+            Some(leg) => &self.legs[leg],
+            None if self.closed => self.legs.last()?,
+            None => return Some(Vec::new()),
+        };
+        let Some(after) = self.legs.get(pin) else { return Some(Vec::new()) };
+        join_at(mesh, &self.pins[pin], before.last_triangle(mesh), after.first)
+    }
+}
+
+/// The letters that lead from triangle `from` to triangle `to`, both of which hold `point`, without leaving it.
+pub fn join_at(mesh: &SurfaceMesh, point: &SurfacePoint, from: TriangleId, to: TriangleId) -> Option<Vec<HalfedgeId>> {
+    if from == to {
+        return Some(Vec::new());
+    }
+    match spot_of(mesh, point) {
+        Spot::Vertex(v) => turn_word(mesh, v, from, to),
+        Spot::Edge(edge, _) => {
+            let letter = [Some(edge), mesh.twin(edge)].into_iter().flatten().find(|h| h.triangle() == from)?;
+            (mesh.twin(letter)?.triangle() == to).then(|| vec![letter])
+        }
+        Spot::Inside(_) => None,
+    }
+}
+
+/// Triangles that hold a point and can be reached from its own without leaving it: one inside a triangle, up to two on
+/// an edge, the fan at a vertex. The point's own triangle comes first.
+pub fn triangles_round(mesh: &SurfaceMesh, point: &SurfacePoint) -> Vec<TriangleId> {
+    let own = point.triangle;
+    let mut found = vec![own];
+    match spot_of(mesh, point) {
+        Spot::Inside(_) => {}
+        Spot::Edge(edge, _) => {
+            found.extend(
+                [Some(edge), mesh.twin(edge)].into_iter().flatten().map(HalfedgeId::triangle).filter(|&t| t != own),
+            );
+        }
+        Spot::Vertex(v) => {
+            for start in own.halfedges().into_iter().filter(|&h| mesh.touches(h, v)) {
+                let mut exit = start;
+                while let Some(twin) = mesh.twin(exit) {
+                    if twin.triangle() == own {
+                        return found;
+                    }
+                    found.push(twin.triangle());
+                    exit = mesh.other_spoke(twin, v);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Where a surface point lies, judged by exact zeroes.
+pub fn spot_of(mesh: &SurfaceMesh, point: &SurfacePoint) -> Spot {
+    let corners = mesh.corners(point.triangle);
+    let b = point.barycentric;
+    let is_zero = b.map(|x| x == 0.0);
+    match is_zero.iter().filter(|&&z| z).count() {
+        2 => Spot::Vertex(corners[is_zero.iter().position(|z| !z).unwrap_or(0)]),
+        1 => {
+            let off = is_zero.iter().position(|&z| z).unwrap_or(0);
+            let (i, j) = ((off + 1) % 3, (off + 2) % 3);
+            let t = if corners[i] < corners[j] { b[j] } else { b[i] };
+            Spot::Edge(lower_halfedge(mesh, point.triangle.halfedge(i as u32)), t)
+        }
+        _ => Spot::Inside(point.triangle),
+    }
+}
+
+/// Where a crossing lies.
+pub fn crossing_spot(mesh: &SurfaceMesh, halfedge: HalfedgeId, t: f64) -> Spot {
+    let [low, high] = mesh.sorted_ends(halfedge);
+    if t == 0.0 {
+        Spot::Vertex(low)
+    } else if t == 1.0 {
+        Spot::Vertex(high)
+    } else {
+        Spot::Edge(lower_halfedge(mesh, halfedge), t)
+    }
+}
+
+/// A crossing as a point of the triangle that is left.
+pub fn crossing_point(mesh: &SurfaceMesh, halfedge: HalfedgeId, t: f64) -> SurfacePoint {
+    let [first, second] = mesh.ends(halfedge);
+    let side = halfedge.side() as usize;
+    let (from, to) = if first < second { (side, (side + 1) % 3) } else { ((side + 1) % 3, side) };
+    let mut barycentric = [0.0; 3];
+    barycentric[from] = 1.0 - t;
+    barycentric[to] = t;
+    SurfacePoint { triangle: halfedge.triangle(), barycentric }
+}
+
+/// Where a crossing is in space, to the bit the same as its surface point.
+#[inline]
+pub fn crossing_position(mesh: &SurfaceMesh, halfedge: HalfedgeId, t: f64) -> DVec3 {
+    mesh.position_of(&crossing_point(mesh, halfedge, t))
+}
+
+/// The parameter of an end of an edge.
+#[inline]
+pub fn parameter_at(mesh: &SurfaceMesh, halfedge: HalfedgeId, vertex: VertexId) -> f64 {
+    if mesh.sorted_ends(halfedge)[0] == vertex { 0.0 } else { 1.0 }
+}
+
+fn lower_halfedge(mesh: &SurfaceMesh, halfedge: HalfedgeId) -> HalfedgeId {
+    mesh.twin(halfedge).map_or(halfedge, |twin| twin.min(halfedge))
+}

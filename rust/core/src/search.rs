@@ -1,0 +1,265 @@
+//! Step B: the shortest path in the dual graph between two picks (the paper, section 4).
+//!
+//! Nodes are triangles, edges join triangles that share a crossable edge, and weigh the distance of the barycentres.
+//! Holds the graph in flat records, ordered along a Morton curve so that neighbours in space are neighbours in
+//! memory, and the one search loop. Knows nothing of polylines.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+use glam::DVec3;
+
+use crate::adjacency::Adjacency;
+use crate::error::Error;
+use crate::ids::{HalfedgeId, TriangleId};
+use crate::report::{Observer, Step};
+
+/// No neighbour across this side, or no predecessor.
+const NONE: u32 = u32::MAX;
+
+/// Triangles taken from the queue between two calls of the observer; about a millisecond.
+const POPS_PER_OBSERVATION: u64 = 4096;
+
+/// One triangle as the search sees it: all it needs in one place.
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    barycentre: DVec3,
+    /// Records across sides 0, 1, 2.
+    neighbours: [u32; 3],
+    triangle: u32,
+}
+
+/// What a search knows of a record. `stamp` tells to which search it belongs, so that nothing has to be cleared
+/// between searches and a near search costs nothing on a large mesh.
+#[derive(Clone, Copy, Debug)]
+struct Visit {
+    cost: f64,
+    /// `3 * record + side` that was crossed to get here; `NONE` at a source.
+    via: u32,
+    /// The search's stamp, plus 1 when the record is closed.
+    stamp: u32,
+}
+
+#[derive(Debug, Default)]
+struct Scratch {
+    visits: Vec<Visit>,
+    queue: BinaryHeap<Reverse<(u64, u32)>>,
+    stamp: u32,
+}
+
+/// The dual graph of a mesh.
+#[derive(Debug)]
+pub struct DualGraph {
+    records: Vec<Record>,
+    record_of: Vec<u32>,
+    /// Work space of finished searches, taken up again by the next.
+    pool: Mutex<Vec<Scratch>>,
+}
+
+/// A strip of triangles between two picks.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FoundStrip {
+    /// Its first triangle.
+    pub first: TriangleId,
+    /// The half-edges that are crossed, each seen from the triangle that is left.
+    pub word: Vec<HalfedgeId>,
+    /// Sum of the weights.
+    pub cost: f64,
+    /// Triangles taken from the queue.
+    pub pops: u64,
+}
+
+/// Where a search may start or end.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SearchEnd {
+    /// Triangles that hold the pick: one, or all round an edge or a vertex.
+    pub triangles: Vec<TriangleId>,
+    /// What distances to this end are measured from: the barycentre of the only triangle (so that costs are those of the
+    /// plain dual graph), or the pick's own position where several triangles compete.
+    pub anchor: DVec3,
+}
+
+impl DualGraph {
+    /// Builds the records. Positions of all corners must be finite. Cost: O(triangles).
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], adjacency: &Adjacency) -> Self {
+        let barycentre = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            (a + b + c) / 3.0
+        };
+        let order = morton_order(triangles, barycentre);
+        let mut record_of = vec![0; triangles.len()];
+        for (record, &triangle) in order.iter().enumerate() {
+            record_of[triangle as usize] = record as u32;
+        }
+        let records = order
+            .iter()
+            .map(|&triangle| Record {
+                barycentre: barycentre(&triangles[triangle as usize]),
+                neighbours: TriangleId(triangle)
+                    .halfedges()
+                    .map(|h| adjacency.twin(h).map_or(NONE, |t| record_of[t.triangle().index()])),
+                triangle,
+            })
+            .collect();
+        Self { records, record_of, pool: Mutex::new(Vec::new()) }
+    }
+
+    /// The barycentre of a triangle.
+    #[inline]
+    pub fn barycentre(&self, triangle: TriangleId) -> DVec3 {
+        self.records[self.record_of[triangle.index()] as usize].barycentre
+    }
+
+    /// The cheapest strip from one end to the other, `None` when they are not connected.
+    ///
+    /// A* with the straight distance, which no path undercuts; equal in cost to Dijkstra's. Ties go to the lower place
+    /// on the Morton curve, so the answer depends on the mesh alone.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] when the observer says so.
+    ///
+    /// Source: P. Hart, N. Nilsson, B. Raphael 1968, *A Formal Basis for the Heuristic Determination of Minimum Cost
+    /// Paths*; the weights are the paper's (section 4).
+    pub fn find_strip(
+        &self,
+        from: &SearchEnd,
+        to: &SearchEnd,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<FoundStrip>, Error> {
+        let mut scratch = self.take_scratch();
+        let result = self.search(from, to, &mut scratch, observer);
+        if let Ok(mut pool) = self.pool.lock() {
+            pool.push(scratch);
+        }
+        result
+    }
+
+    fn take_scratch(&self) -> Scratch {
+        let pooled = self.pool.lock().ok().and_then(|mut pool| pool.pop());
+        let mut scratch = pooled.unwrap_or_default();
+        let is_worn = scratch.stamp > u32::MAX - 4;
+        if scratch.visits.len() != self.records.len() || is_worn {
+            // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
+            scratch.visits = vec![Visit { cost: 0.0, via: 0, stamp: 0 }; self.records.len()];
+            scratch.stamp = 0;
+        }
+        scratch.stamp += 2;
+        scratch.queue.clear();
+        scratch
+    }
+
+    fn search(
+        &self,
+        from: &SearchEnd,
+        to: &SearchEnd,
+        scratch: &mut Scratch,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<FoundStrip>, Error> {
+        let Scratch { visits, queue, stamp } = scratch;
+        let (open, closed) = (*stamp, *stamp + 1);
+        let goals: Vec<u32> = to.triangles.iter().map(|t| self.record_of[t.index()]).collect();
+        let rest = |record: &Record| record.barycentre.distance(to.anchor);
+        for source in &from.triangles {
+            let id = self.record_of[source.index()];
+            let record = &self.records[id as usize];
+            let cost = record.barycentre.distance(from.anchor);
+            visits[id as usize] = Visit { cost, via: NONE, stamp: open };
+            queue.push(Reverse(((cost + rest(record)).to_bits(), id)));
+        }
+        let mut pops = 0u64;
+        while let Some(Reverse((estimate, id))) = queue.pop() {
+            let visit = &mut visits[id as usize];
+            if visit.stamp == closed {
+                continue;
+            }
+            visit.stamp = closed;
+            let cost = visit.cost;
+            pops += 1;
+            if pops.is_multiple_of(POPS_PER_OBSERVATION) && observer.step(Step::Search) == ControlFlow::Break(()) {
+                return Err(Error::Interrupted);
+            }
+            if goals.contains(&id) {
+                let (first, word) = self.trace(visits, id);
+                return Ok(Some(FoundStrip { first, word, cost: f64::from_bits(estimate), pops }));
+            }
+            let record = self.records[id as usize];
+            for (side, &next) in record.neighbours.iter().enumerate() {
+                if next == NONE {
+                    continue;
+                }
+                let neighbour = &self.records[next as usize];
+                let new_cost = cost + record.barycentre.distance(neighbour.barycentre);
+                let visit = &mut visits[next as usize];
+                // A closed record can still improve by rounding, as the straight distance is consistent only in
+                // exact arithmetic; then it is opened again.
+                let is_known = visit.stamp == open || visit.stamp == closed;
+                if !is_known || new_cost < visit.cost {
+                    *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
+                    queue.push(Reverse(((new_cost + rest(neighbour)).to_bits(), next)));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn trace(&self, visits: &[Visit], goal: u32) -> (TriangleId, Vec<HalfedgeId>) {
+        let mut word = Vec::new();
+        let mut id = goal;
+        loop {
+            let via = visits[id as usize].via;
+            if via == NONE {
+                word.reverse();
+                return (TriangleId(self.records[id as usize].triangle), word);
+            }
+            id = via / 3;
+            word.push(TriangleId(self.records[id as usize].triangle).halfedge(via % 3));
+        }
+    }
+}
+
+/// Triangles in the order of their barycentres along a Morton (Z-order) curve, ties by index.
+fn morton_order(triangles: &[[u32; 3]], barycentre: impl Fn(&[u32; 3]) -> DVec3) -> Vec<u32> {
+    /// Cells a side, as bits: 2^10 cells resolve a million triangles, and 30 bits leave room for the index in a word.
+    const BITS: u32 = 10;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for t in triangles {
+        let b = barycentre(t);
+        (low, high) = (low.min(b), high.max(b));
+    }
+    let size = (high - low).max_element();
+    let scale = if size > 0.0 { f64::from((1u32 << BITS) - 1) / size } else { 0.0 };
+    let mut keys: Vec<u64> = triangles
+        .iter()
+        .enumerate()
+        .map(|(t, corners)| {
+            let cell = (barycentre(corners) - low) * scale;
+            let code = spread(cell.x as u32) | spread(cell.y as u32) << 1 | spread(cell.z as u32) << 2;
+            u64::from(code) << 32 | t as u64
+        })
+        .collect();
+    keys.sort_unstable();
+    keys.into_iter().map(|key| key as u32).collect()
+}
+
+/// The low ten bits of `x`, two zeroes after each.
+fn spread(x: u32) -> u32 {
+    let x = (x | x << 16) & 0x0300_00ff;
+    let x = (x | x << 8) & 0x0300_f00f;
+    let x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spread_leaves_two_zeroes_after_each_bit() {
+        for bit in 0..10 {
+            assert_eq!(spread(1 << bit), 1 << (3 * bit));
+        }
+        assert_eq!(spread(0x3ff), 0o1_111_111_111);
+    }
+}
