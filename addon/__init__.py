@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smooth Polylines for Blender: registers what the other modules define, and takes it back.
+
+Holds no logic. Scripts find theirs in `session.add_polyline`.
+"""
+
+import bpy
+
+from . import menus, operators
+
+
+def register() -> None:
+    """Make the operators and menu entries known; on a failure nothing stays behind."""
+    try:
+        for cls in operators.CLASSES:
+            bpy.utils.register_class(cls)
+        menus.register()
+    except BaseException:
+        unregister()
+        raise
+
+
+def unregister() -> None:
+    """Take everything back, also after a registration that failed half-way."""
+    menus.unregister()
+    for cls in reversed(operators.CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

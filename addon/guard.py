@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Turns errors into what an artist reads; the only place in the add-on that catches broadly.
+
+Refusals (ours and the library's) become an error report and CANCELLED. Anything else is a bug: a short
+message for the artist, the whole traceback for the console. Holds no logic of an operator.
+"""
+
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from . import native
+from .errors import AddonError
+
+# What must end the process or the run as its sender meant it.
+PASSED_ON = (KeyboardInterrupt, SystemExit, GeneratorExit)
+
+
+def run_guarded(operator: Any, work: Callable[[], None]) -> set[str]:
+    """Call `work` for `operator`: {'FINISHED'}, or an error report and {'CANCELLED'}."""
+    try:
+        work()
+    except PASSED_ON:
+        raise
+    except BaseException as error:
+        # BaseException, because a panic in native code is not an Exception.
+        if isinstance(error, AddonError) or native.is_refusal(error):
+            operator.report({"ERROR"}, str(error))
+        else:
+            traceback.print_exception(error)
+            operator.report(
+                {"ERROR"},
+                f"Smooth Polylines failed unexpectedly ({type(error).__name__}); nothing was changed. "
+                "The system console has the details: please report them",
+            )
+        return {"CANCELLED"}
+    return {"FINISHED"}

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays of a mesh object, as the library takes them: what is visible of it, now, in Edit Mode or out of it.
+
+Only bulk transfers of Blender's own buffers, never a Python loop over the mesh. Writes nothing that outlives
+the call. Knows no picks and no lines.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .errors import ObjectError
+
+# Smallest ratio of the world matrix's singular values: below the rounding of Blender's 32-bit matrices an axis
+# counts as flattened, since nothing in world space tells its points apart any more.
+SMALLEST_SCALE_RATIO = float(np.finfo(np.float32).eps)
+
+
+@dataclass(frozen=True)
+class MeshArrays:
+    """What the library needs of a mesh; rows of `triangles` are Blender's loop triangles less the hidden ones."""
+
+    local_positions: np.ndarray  # (V, 3) float64, the object's space
+    world_positions: np.ndarray  # (V, 3) float64, world space
+    triangles: np.ndarray  # (F, 3) int32, rows of the positions
+    triangle_faces: np.ndarray  # (F,) int32, the polygon that each triangle is a part of
+    local_normals: np.ndarray | None  # (V, 3) float64, unit, the object's space; only where asked for
+    world_matrix: np.ndarray  # (4, 4) float64, local to world
+
+
+def read_mesh(mesh_object: bpy.types.Object, *, with_normals: bool = False) -> MeshArrays:
+    """Read `mesh_object` as it is at this moment; ObjectError when there is nothing to walk on."""
+    world_matrix = read_world_matrix(mesh_object)
+    with open_current_mesh(mesh_object) as mesh:
+        local_positions = read_positions(mesh_object, mesh)
+        triangles, triangle_faces = read_visible_triangles(mesh)
+        local_normals = read_floats(mesh.vertex_normals, "vector", len(mesh.vertices)) if with_normals else None
+    if len(triangles) == 0:
+        raise ObjectError(
+            f"{mesh_object.name} has no visible faces; a line needs faces to lie on: add some, or reveal the "
+            "hidden ones (Mesh > Show/Hide > Reveal Hidden)"
+        )
+    return MeshArrays(
+        local_positions=local_positions,
+        # A plain product: exact where the matrix is the identity, so an unmoved object's world is its own space.
+        world_positions=np.ascontiguousarray(local_positions @ world_matrix[:3, :3].T + world_matrix[:3, 3]),
+        triangles=triangles,
+        triangle_faces=triangle_faces,
+        local_normals=local_normals,
+        world_matrix=world_matrix,
+    )
+
+
+def read_world_matrix(mesh_object: bpy.types.Object) -> np.ndarray:
+    """Local to world, (4, 4) float64; ObjectError when it flattens the object or is not finite."""
+    matrix = np.array(mesh_object.matrix_world, dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise ObjectError(f"The transform of {mesh_object.name} is not finite; clear its location, rotation and scale")
+    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    if scales[2] <= SMALLEST_SCALE_RATIO * scales[0]:
+        raise ObjectError(
+            f"{mesh_object.name} is flattened in the world (scale 0 along an axis, its own or its parents'); "
+            "give it a scale other than 0 along every axis"
+        )
+    return matrix
+
+
+@contextmanager
+def open_current_mesh(mesh_object: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """The object's mesh with its attributes readable and up to date, also while it is being edited."""
+    if not mesh_object.data.is_editmode:
+        yield mesh_object.data
+        return
+    # In Edit Mode the mesh's buffers are stale and partly out of reach; a copy of the flushed mesh shares them
+    # and has them all. The selection and its history stay as they are.
+    mesh_object.update_from_editmode()
+    copy = mesh_object.data.copy()
+    try:
+        yield copy
+    finally:
+        keys = copy.shape_keys
+        bpy.data.meshes.remove(copy)
+        if keys is not None and keys.name in bpy.data.shape_keys and keys.users == 0:
+            bpy.data.shape_keys.remove(keys)
+
+
+def read_positions(mesh_object: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray:
+    """Vertex positions in the object's space, (V, 3) float64: in Edit Mode those of the active shape key."""
+    if mesh.shape_keys is not None and mesh_object.data.is_editmode:
+        # What is seen and edited in Edit Mode is the active key, while the mesh itself keeps the basis.
+        key = mesh.shape_keys.key_blocks[mesh_object.active_shape_key_index]
+        return read_floats(key.data, "co", len(mesh.vertices))
+    return read_floats(mesh.attributes["position"].data, "vector", len(mesh.vertices))
+
+
+def read_floats(rows: bpy.types.bpy_prop_collection, name: str, count: int) -> np.ndarray:
+    """A vector property of `count` rows, (count, 3) float64, taken in Blender's 32 bits as one buffer."""
+    values = np.empty(count * 3, dtype=np.float32)
+    rows.foreach_get(name, values)
+    return values.reshape(-1, 3).astype(np.float64)
+
+
+def read_visible_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Blender's own loop triangles less those of hidden polygons, and the polygon of each, both int32."""
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    corners = np.empty(count * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("loops", corners)
+    triangle_faces = np.empty(count, dtype=np.int32)
+    mesh.loop_triangle_polygons.foreach_get("value", triangle_faces)
+    if count == 0:
+        return corners.reshape(-1, 3), triangle_faces
+
+    # The corner-to-vertex buffer is a hundred times quicker to read than the vertices of the loop triangles.
+    corner_vertices = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.attributes[".corner_vert"].data.foreach_get("value", corner_vertices)
+    triangles = corner_vertices[corners].reshape(-1, 3)
+
+    hidden = mesh.attributes.get(".hide_poly")  # there only once something has been hidden
+    if hidden is not None:
+        is_hidden = np.empty(len(mesh.polygons), dtype=bool)
+        hidden.data.foreach_get("value", is_hidden)
+        is_visible = ~is_hidden[triangle_faces]
+        triangles, triangle_faces = triangles[is_visible], triangle_faces[is_visible]
+    return np.ascontiguousarray(triangles), np.ascontiguousarray(triangle_faces)
+
+
+def measure_mean_scale(world_matrix: np.ndarray) -> float:
+    """How much longer lengths are in the world than in the object, on average over the axes (geometric mean)."""
+    return float(np.cbrt(abs(np.linalg.det(world_matrix[:3, :3]))))

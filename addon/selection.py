@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picks of an artist: the selected faces of a mesh in Edit Mode, in the order they were picked.
+
+A selection without an order is refused, never guessed at. Reads only; knows no lines.
+"""
+
+import bmesh
+import bpy
+
+from .errors import SelectionError
+
+# Fewer give no line that could be seen.
+LEAST_PICKS = 2
+
+HOW_TO_PICK = (
+    "Deselect all (Alt A), then in face select mode (3) click the first face and Shift-click the others, "
+    "one after another"
+)
+
+
+def read_picks(mesh_object: bpy.types.Object) -> list[int]:
+    """Polygon ids in the order of picking; SelectionError when the selection has no complete order."""
+    mesh = mesh_object.data
+    if not mesh.is_editmode:
+        raise SelectionError(
+            f"{mesh_object.name} is not in Edit Mode, so it has no picked faces; enter Edit Mode and pick some"
+        )
+    edited = bmesh.from_edit_mesh(mesh)
+    edited.faces.index_update()  # stale after a script has added or removed faces
+    # The history as a list: in some builds of Blender its iterator does not work in a comprehension.
+    history = list(edited.select_history)
+    picks = [item.index for item in history if isinstance(item, bmesh.types.BMFace) and item.select]
+    selected_count = mesh.total_face_sel
+    if selected_count == 0:
+        raise SelectionError(f"No faces are selected. {HOW_TO_PICK}")
+    if len(picks) < selected_count:
+        raise SelectionError(
+            f"{selected_count - len(picks)} of the {selected_count} selected faces have no order, as after box, "
+            f"circle, linked or select all. {HOW_TO_PICK}"
+        )
+    if len(picks) < LEAST_PICKS:
+        raise SelectionError(f"Only one face is selected; a line needs at least two. {HOW_TO_PICK}")
+    return picks
+
+
+def find_ignored_objects(context: bpy.types.Context, mesh_object: bpy.types.Object) -> list[str]:
+    """Names of other objects in Edit Mode with selected faces: the line is on `mesh_object` alone."""
+    return [
+        other.name
+        for other in context.objects_in_mode_unique_data
+        if other.data != mesh_object.data and other.type == "MESH" and other.data.total_face_sel > 0
+    ]

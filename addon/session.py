@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole way from picked faces to a curve in the scene, as one plain function for scripts and operators.
+
+Reads, then computes, then writes: whatever is refused is refused before anything has been created.
+Holds no geometry (the library's) and no messages to the artist (the operators').
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from . import curve_write, mesh_read, native, selection, surface_offset
+from .errors import ObjectError
+
+DEFAULT_NAME = "Smooth Polyline"
+
+
+@dataclass(frozen=True)
+class AddedPolyline:
+    """What `add_polyline` made."""
+
+    curve_object: bpy.types.Object
+    line: Any  # the library's polyline, in world space, with its report
+    picks: list[Any]
+
+
+def add_polyline(
+    context: bpy.types.Context,
+    mesh_object: bpy.types.Object,
+    picks: Sequence[Any] | None = None,
+    *,
+    bevel: float | None = None,
+    offset: float = 0.0,
+    name: str = DEFAULT_NAME,
+    detail_size: float | None = None,
+    **line_options: Any,
+) -> AddedPolyline:
+    """Make a smooth line on `mesh_object` and add it to the scene as a curve object.
+
+    picks : polygon ids in order; None: the faces picked in Edit Mode
+    bevel : radius of the tube in the object's units; None: chosen from the size of the mesh
+    offset : distance from the surface along its normal, in the object's units; 0: on the surface
+    name : of the new object
+    detail_size : of the filter "fair", a length in the object's units
+    line_options : what the library's `SurfaceMesh.polyline` takes: closed, filter, pinned, solver, threshold, ...
+
+    Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
+    """
+    check_object(mesh_object)
+    library = native.load_library()
+    ordered_picks = selection.read_picks(mesh_object) if picks is None else list(picks)
+    # A script may have moved the object a line ago.
+    context.view_layer.update()
+    arrays = mesh_read.read_mesh(mesh_object, with_normals=offset != 0.0)
+
+    surface = library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces)
+    if detail_size is not None:
+        line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(arrays.world_matrix)
+    line = surface.polyline(ordered_picks, **line_options)
+
+    # The same triangles and weights on the unmoved vertices: no inverse of the world matrix, no rounding by one.
+    local_points = line.on(arrays.local_positions)
+    if offset != 0.0:
+        local_points = surface_offset.lift_points(
+            local_points,
+            arrays.triangles[line.triangles],
+            line.barycentric,
+            arrays.local_normals,
+            arrays.world_matrix,
+            offset,
+        )
+    curve_object = curve_write.write_curve(
+        context,
+        mesh_object,
+        local_points,
+        closed=line.closed,
+        bevel=curve_write.choose_bevel(arrays.local_positions) if bevel is None else bevel,
+        name=name,
+    )
+    return AddedPolyline(curve_object, line, ordered_picks)
+
+
+def check_object(mesh_object: bpy.types.Object) -> None:
+    """ObjectError when the object can carry no line of ours."""
+    if mesh_object is None or mesh_object.type != "MESH":
+        found = "nothing" if mesh_object is None else f"{mesh_object.name}, a {mesh_object.type.lower()} object"
+        raise ObjectError(f"A smooth polyline lies on a mesh object, but the object is {found}; make a mesh active")
+    for data in (mesh_object, mesh_object.data):
+        if data.library is not None:
+            raise ObjectError(
+                f"{data.name} is linked from {data.library.filepath} and cannot be changed here; make it local first "
+                "(Object > Relations > Make Local > Selected Objects and Data)"
+            )
