@@ -1,0 +1,277 @@
+//! `SurfaceMesh`: arrays in, lines out.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use glam::DVec3;
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use smooth_polylines_core::options::DEFAULT_THRESHOLD;
+use smooth_polylines_core::{Filter, Knots, Options, Pinned, Polyline, Solver, SurfaceMesh, smooth};
+
+use crate::border::{Seconds, Watch, run_attached, run_detached};
+use crate::errors::{from_core, type_error};
+use crate::frozen_arrays::{freeze_rows, point_rows};
+use crate::input_arrays::{read_connections, read_positions, read_triangle_faces, read_triangles};
+use crate::line_options::{
+    read_closed, read_detail_size, read_filter, read_knots, read_max_iterations, read_pinned, read_solver, read_stages,
+    read_threshold,
+};
+use crate::mesh_report::PyMeshReport;
+use crate::network::PyNetwork;
+use crate::picks::read_picks;
+use crate::polyline::PyPolyline;
+
+/// A triangle mesh, opened for lines.
+///
+/// Parameters
+/// ----------
+/// positions : (V, 3) float32 or float64
+///     Places of the vertices; any order, strides and byte order. Copied: later changes of the array are not seen.
+/// triangles : (F, 3) of any integer type
+///     Three rows of `positions` each, in any winding.
+/// triangle_faces : (F,) of any integer type, optional
+///     The polygon that each triangle belongs to (Blender's loop triangles). Face ids in picks are then polygon ids,
+///     else triangle ids.
+///
+/// Edges of three or more triangles are walls that a line does not cross; `report` counts them. Immutable, so threads
+/// may share one. Cost: linear in V + F; the interpreter is released meanwhile.
+///
+/// Raises
+/// ------
+/// TypeError
+///     Wrong dtype or rank.
+/// MeshError
+///     An index out of range, a triangle that repeats a vertex, a vertex of a triangle that is not finite; the first
+///     offender is named.
+///
+/// Source: G.-P. Bonneau, S. Hahmann, Smooth Polylines on Polygon Meshes (2003).
+///
+/// Examples
+/// --------
+/// >>> import numpy as np, smooth_polylines as sp
+/// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+/// >>> mesh = sp.SurfaceMesh(square, np.array([[0, 1, 2], [0, 2, 3]]))
+/// >>> mesh
+/// <SurfaceMesh: 4 vertices, 2 triangles, 1 part>
+/// >>> mesh.polyline([0, 1]).points.round(3)
+/// array([[0.667, 0.333, 0.   ],
+///        [0.5  , 0.5  , 0.   ],
+///        [0.333, 0.667, 0.   ]])
+#[pyclass(frozen, module = "smooth_polylines", name = "SurfaceMesh")]
+pub struct PySurfaceMesh {
+    mesh: Arc<SurfaceMesh>,
+}
+
+#[pymethods]
+impl PySurfaceMesh {
+    #[new]
+    #[pyo3(signature = (positions, triangles, triangle_faces=None))]
+    fn new(
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        triangle_faces: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let positions: Vec<DVec3> = read_positions("positions", positions)?.to_points()?;
+        let triangles = read_triangles("triangles", triangles, positions.len())?;
+        let faces =
+            triangle_faces.map(|faces| read_triangle_faces("triangle_faces", faces, triangles.len())).transpose()?;
+        let mesh = run_detached(py, || SurfaceMesh::new(positions, triangles, faces))?
+            .map_err(|error| from_core(py, error.into()))?;
+        Ok(Self { mesh: Arc::new(mesh) })
+    }
+
+    /// A smooth line through the picks: a Polyline.
+    ///
+    /// Parameters
+    /// ----------
+    /// picks : sequence
+    ///     Face ids, (triangle id, barycentric) pairs, SurfacePoint, mixed; in order, not necessarily neighbours. A
+    ///     face stands for its middle.
+    /// closed : bool
+    ///     Join the last pick to the first; three distinct picks at least.
+    /// filter : "linear", "cubic", "geodesic", "fair" or "none"
+    ///     What the line is smoothed to: straight by the paper's line through the neighbours; the paper's cubic, which
+    ///     keeps the shape; locally shortest; the smoothest line near the input; or not at all (step B's strip through
+    ///     the midpoints).
+    /// pinned : "ends", "all" or a sequence of bool, one for each pick
+    ///     Picks that the line passes through exactly. The ends of an open line always are.
+    /// solver : "auto" or "heap"
+    ///     "heap" is the paper's one-vertex-at-a-time relaxation, for "linear" and "cubic".
+    /// threshold : float
+    ///     Barycentric units; the heap stops when no vertex is further than this from its target.
+    /// max_iterations : int, optional
+    ///     Most rounds of relaxation and vertex passes. None: 100 for the paper's filters, what convergence takes for
+    ///     "geodesic" and "fair".
+    /// detail_size : float, optional
+    ///     "fair" only: wiggles much shorter than this length go; `inf`: as smooth as the pins allow.
+    /// knots : "uniform", "centripetal" or "chordal"
+    ///     "cubic" only: parameters of the neighbours; "uniform" is the paper's.
+    /// stages : bool
+    ///     Keep the points after each round in `report.stages`.
+    ///
+    /// The interpreter is released meanwhile; Ctrl-C stops the work. Cost: a search between the picks, then linear in
+    /// the strip for each step.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     An argument out of its range.
+    /// NoPathError
+    ///     Consecutive picks lie on parts that are not connected.
+    /// CollapsedError
+    ///     A closed line shrank to a point.
+    /// TypeError
+    ///     A pick or an argument of a wrong type.
+    ///
+    /// Source: G.-P. Bonneau, S. Hahmann, Smooth Polylines on Polygon Meshes (2003), sections 3 to 6.
+    #[pyo3(
+        signature = (picks, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
+                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
+                     stages=false),
+        text_signature = "($self, picks, closed=False, filter='linear', pinned='ends', solver='auto', \
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', stages=False)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
+    fn polyline(
+        &self,
+        py: Python<'_>,
+        picks: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = read_closed)] closed: bool,
+        #[pyo3(from_py_with = read_filter)] filter: Filter,
+        #[pyo3(from_py_with = read_pinned)] pinned: Pinned,
+        #[pyo3(from_py_with = read_solver)] solver: Solver,
+        #[pyo3(from_py_with = read_threshold)] threshold: f64,
+        #[pyo3(from_py_with = read_max_iterations)] max_iterations: Option<u32>,
+        #[pyo3(from_py_with = read_detail_size)] detail_size: Option<f64>,
+        #[pyo3(from_py_with = read_knots)] knots: Knots,
+        #[pyo3(from_py_with = read_stages)] stages: bool,
+    ) -> PyResult<PyPolyline> {
+        let mut watch = Watch::start();
+        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, stages };
+        let picks = read_picks(picks)?;
+        let line = run_detached(py, || smooth::polyline(&self.mesh, &picks, &options, &mut watch))?
+            .map_err(|error| watch.raise(py, error))?;
+        PyPolyline::new(py, Arc::clone(&self.mesh), line, watch.stop())
+    }
+
+    /// Several lines in one call, each with its own result or error: a Network.
+    ///
+    /// Parameters
+    /// ----------
+    /// picks : sequence
+    ///     As for `polyline`.
+    /// connections : (M, 2) of any integer type
+    ///     Positions in `picks`: line i goes from the first to the second.
+    ///
+    /// The other arguments are those of `polyline` and hold for every line.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     An argument out of its range, a connection to a pick that does not exist. What goes wrong with one line is
+    ///     in `Network.errors` instead.
+    /// TypeError
+    ///     A pick or an argument of a wrong type.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np, smooth_polylines as sp
+    /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    /// >>> mesh = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]])
+    /// >>> mesh.network([0, 1], [[0, 1], [1, 0]])
+    /// <Network: 2 connections, 2 lines, 0 errors>
+    #[pyo3(
+        signature = (picks, connections, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
+                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
+                     stages=false),
+        text_signature = "($self, picks, connections, closed=False, filter='linear', pinned='ends', solver='auto', \
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', stages=False)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
+    fn network(
+        &self,
+        py: Python<'_>,
+        picks: &Bound<'_, PyAny>,
+        connections: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = read_closed)] closed: bool,
+        #[pyo3(from_py_with = read_filter)] filter: Filter,
+        #[pyo3(from_py_with = read_pinned)] pinned: Pinned,
+        #[pyo3(from_py_with = read_solver)] solver: Solver,
+        #[pyo3(from_py_with = read_threshold)] threshold: f64,
+        #[pyo3(from_py_with = read_max_iterations)] max_iterations: Option<u32>,
+        #[pyo3(from_py_with = read_detail_size)] detail_size: Option<f64>,
+        #[pyo3(from_py_with = read_knots)] knots: Knots,
+        #[pyo3(from_py_with = read_stages)] stages: bool,
+    ) -> PyResult<PyNetwork> {
+        let mut watch = Watch::start();
+        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, stages };
+        let picks = read_picks(picks)?;
+        let connections = read_connections("connections", connections)?;
+        let lines = run_detached(py, || smooth::network(&self.mesh, &picks, &connections, &options, &mut watch))?
+            .map_err(|error| watch.raise(py, error))?;
+        PyNetwork::new(py, &self.mesh, lines, watch.stop())
+    }
+
+    /// The line that `Polyline.to_bytes` wrote, to the bit: a Polyline.
+    ///
+    /// Its report holds no counters. The mesh must be the one that the line was made on.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     The bytes are no line of this mesh.
+    /// TypeError
+    ///     Not bytes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np, smooth_polylines as sp
+    /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    /// >>> mesh = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]])
+    /// >>> line = mesh.polyline([0, 1])
+    /// >>> bool((mesh.line_from_bytes(line.to_bytes()).points == line.points).all())
+    /// True
+    fn line_from_bytes(&self, py: Python<'_>, data: &Bound<'_, PyAny>) -> PyResult<PyPolyline> {
+        let Ok(bytes) = data.extract::<Cow<'_, [u8]>>() else {
+            return Err(type_error("data", format_args!("found {}, expected bytes", data.get_type().name()?)));
+        };
+        let line = run_attached(py, || Polyline::from_bytes(&self.mesh, &bytes))?
+            .map_err(|error| from_core(py, error.into()))?;
+        PyPolyline::new(py, Arc::clone(&self.mesh), line, Seconds::default())
+    }
+
+    /// Counts of elements and defects: a MeshReport.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> PyResult<PyMeshReport> {
+        Ok(run_attached(py, || self.mesh.report())?.into())
+    }
+
+    /// Places of the vertices: a fresh, read-only (V, 3) float64 array at each access.
+    #[getter]
+    fn positions(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
+        freeze_rows(py, &point_rows(run_attached(py, || self.mesh.positions())?))
+    }
+
+    /// Corners of the triangles: a fresh, read-only (F, 3) uint32 array at each access.
+    #[getter]
+    fn triangles(&self, py: Python<'_>) -> PyResult<Py<PyArray2<u32>>> {
+        freeze_rows(py, run_attached(py, || self.mesh.triangles())?)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let counts = run_attached(py, || self.mesh.report())?;
+        let plural = |count: usize, noun: &str| match noun.strip_suffix("ex") {
+            _ if count == 1 => format!("1 {noun}"),
+            Some(stem) => format!("{count} {stem}ices"),
+            None => format!("{count} {noun}s"),
+        };
+        Ok(format!(
+            "<SurfaceMesh: {}, {}, {}>",
+            plural(counts.vertices, "vertex"),
+            plural(counts.triangles, "triangle"),
+            plural(counts.parts, "part")
+        ))
+    }
+}

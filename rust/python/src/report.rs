@@ -1,0 +1,140 @@
+//! `Report`: what happened while a line was made.
+
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use smooth_polylines_core::Report;
+
+use crate::border::Seconds;
+use crate::frozen_arrays::{freeze_rows, point_rows};
+
+/// Counters, times and the stop reason of one line.
+///
+/// The same input gives the same numbers, `seconds` apart.
+#[pyclass(frozen, module = "smooth_polylines", name = "Report")]
+pub struct PyReport {
+    report: Report,
+    seconds: Seconds,
+}
+
+impl PyReport {
+    /// Joins what the core counted and what the border timed.
+    pub fn new(report: Report, seconds: Seconds) -> Self {
+        Self { report, seconds }
+    }
+
+    /// The public name of the stop reason.
+    pub fn stop_name(&self) -> &'static str {
+        self.report.stop_reason.name()
+    }
+}
+
+#[pymethods]
+impl PyReport {
+    /// Rounds of steps C and D: an int.
+    #[getter]
+    fn iterations(&self) -> u32 {
+        self.report.iterations
+    }
+
+    /// Moves of single vertices by the heap: an int.
+    #[getter]
+    fn moves(&self) -> u64 {
+        self.report.moves
+    }
+
+    /// Whole-strip steps of `linear` and `fair`: an int.
+    #[getter]
+    fn newton_steps(&self) -> u64 {
+        self.report.newton_steps
+    }
+
+    /// Funnel runs: an int.
+    #[getter]
+    fn funnels(&self) -> u64 {
+        self.report.funnels
+    }
+
+    /// Mesh vertices that the line was moved over in step D: an int.
+    #[getter]
+    fn vertex_passes(&self) -> u64 {
+        self.report.vertex_passes
+    }
+
+    /// Loops cut out of the strip: an int.
+    #[getter]
+    fn loops_removed(&self) -> u64 {
+        self.report.loops_removed
+    }
+
+    /// Triangles taken from the search queue in step B: an int.
+    #[getter]
+    fn pops(&self) -> u64 {
+        self.report.pops
+    }
+
+    /// Triangles in step B's strip: an int.
+    #[getter]
+    fn strip_triangles(&self) -> usize {
+        self.report.strip_triangles
+    }
+
+    /// Length of step B's polyline, in the units of the positions: a float.
+    #[getter]
+    fn start_length(&self) -> f64 {
+        self.report.start_length
+    }
+
+    /// Why smoothing ended: "converged", "converged_at_vertices", "cycle" or "max_iterations".
+    #[getter]
+    fn stop_reason(&self) -> &'static str {
+        self.stop_name()
+    }
+
+    /// The detail size that `fair` worked with, in the units of the positions; None for other filters.
+    #[getter]
+    fn detail_size(&self) -> Option<f64> {
+        self.report.detail_size
+    }
+
+    /// Wall time of each step: a dict of floats with keys search, relax, vertex_pass, assemble and total.
+    ///
+    /// A line of a network has the times of the whole network.
+    #[getter]
+    fn seconds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        seconds_dict(py, &self.seconds)
+    }
+
+    /// Points after step B and after each round: a list of (n, 3) float64 arrays, empty unless `stages=True`.
+    #[getter]
+    fn stages(&self, py: Python<'_>) -> PyResult<Vec<Py<PyArray2<f64>>>> {
+        self.report.stages.iter().map(|points| freeze_rows(py, &point_rows(points))).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let Report { iterations, moves, newton_steps, funnels, vertex_passes, loops_removed, .. } = self.report;
+        let Report { pops, strip_triangles, start_length, .. } = self.report;
+        let detail_size = self.report.detail_size.map_or_else(|| "None".to_owned(), |size| format!("{size:?}"));
+        format!(
+            "Report(stop_reason='{}', iterations={iterations}, moves={moves}, newton_steps={newton_steps}, \
+             funnels={funnels}, vertex_passes={vertex_passes}, loops_removed={loops_removed}, pops={pops}, \
+             strip_triangles={strip_triangles}, start_length={start_length:?}, detail_size={detail_size}, \
+             stages={}, seconds={:.6})",
+            self.stop_name(),
+            self.report.stages.len(),
+            self.seconds.total.as_secs_f64(),
+        )
+    }
+}
+
+/// Times as Python sees them.
+pub fn seconds_dict<'py>(py: Python<'py>, seconds: &Seconds) -> PyResult<Bound<'py, PyDict>> {
+    let Seconds { search, relax, vertex_pass, assemble, total } = *seconds;
+    let dict = PyDict::new(py);
+    for (key, time) in
+        [("search", search), ("relax", relax), ("vertex_pass", vertex_pass), ("assemble", assemble), ("total", total)]
+    {
+        dict.set_item(key, time.as_secs_f64())?;
+    }
+    Ok(dict)
+}
