@@ -10,19 +10,25 @@
 #![forbid(unsafe_code)]
 
 pub mod adjacency;
+pub mod chain;
 pub mod error;
+pub mod filter;
 pub mod ids;
 pub mod join;
 pub mod mesh;
 pub mod options;
 pub mod polygons;
 pub mod polyline;
+pub mod relax;
 pub mod report;
 pub mod route;
 pub mod search;
 pub mod smooth;
+pub mod smooth_geodesic;
 pub mod strip;
 pub mod surface_point;
+pub mod unfold;
+pub mod vertex_pass;
 
 pub use error::{Error, MeshError, OptionError, Result};
 pub use mesh::{MeshReport, SurfaceMesh};

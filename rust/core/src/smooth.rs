@@ -10,6 +10,8 @@ use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options};
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
+use crate::route::Route;
+use crate::smooth_geodesic::smooth_geodesic;
 use crate::surface_point::Pick;
 
 /// A smooth line through or near `picks`.
@@ -26,12 +28,22 @@ pub fn polyline(
     options.check()?;
     let mut report = Report::default();
     go_on(observer, Step::Search)?;
-    let route = join_picks(mesh, picks, options, &mut report, observer)?;
-    if options.filter != Filter::None {
-        return Err(OptionError::new("filter", "not yet").into());
+    let mut route = join_picks(mesh, picks, options, &mut report, observer)?;
+    let start = assemble(mesh, route.clone(), Report::default());
+    report.start_length = start.length();
+    if options.stages {
+        report.stages.push(start.points);
+    }
+    match options.filter {
+        _ if route.legs.is_empty() => {}
+        Filter::None => {}
+        Filter::Geodesic => smooth_geodesic(mesh, &mut route, options, &mut report, observer)?,
+        Filter::Linear | Filter::Cubic | Filter::Fair => {
+            return Err(OptionError::new("filter", "this filter is not there yet; use \"geodesic\" or \"none\"").into());
+        }
     }
     go_on(observer, Step::Assemble)?;
-    Ok(finish(mesh, route, report))
+    Ok(assemble(mesh, route, report))
 }
 
 /// Several lines on one set of picks: one result for each of `connections`, which are pairs of positions in `picks`.
@@ -69,11 +81,12 @@ pub fn network(
     Ok(lines)
 }
 
-fn finish(mesh: &SurfaceMesh, route: crate::route::Route, report: Report) -> Polyline {
+fn assemble(mesh: &SurfaceMesh, route: Route, report: Report) -> Polyline {
     Polyline::assemble(mesh, route, report).expect("legs of a route that the driver made fit its pins")
 }
 
-fn go_on(observer: &mut dyn Observer, step: Step) -> Result<()> {
+/// Tells the observer of a step; an error when it wants to stop.
+pub fn go_on(observer: &mut dyn Observer, step: Step) -> Result<()> {
     match observer.step(step) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(Error::Interrupted),

@@ -1,0 +1,246 @@
+//! The `geodesic` filter on a closed line without pins: a closed locally shortest line, exactly.
+//!
+//! A closed strip has no fixed point to start from, so one is found: the shortest line from a point of one edge, once
+//! round the unfolded strip, to the same point is a convex function of that point (the strip is flat and simply
+//! connected once it is unfolded). If the best such line touches a vertex, the rest is an open line from that vertex to
+//! itself; if not, it is straight all the way and finished. An anchor vertex that need not be on the line is let go.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+
+use crate::error::{Error, Result};
+use crate::filter::geodesic::{GeodesicLeg, Workspace, cross_straight, unwind};
+use crate::ids::{HalfedgeId, VertexId};
+use crate::mesh::SurfaceMesh;
+use crate::relax::funnel::Funnel;
+use crate::report::Report;
+use crate::route::{Leg, crossing_position, parameter_at};
+use crate::strip::{push_reduced, reduce_seam};
+use crate::surface_point::SurfacePoint;
+use crate::unfold::{Unfolding, ahead_of};
+use crate::vertex_pass::{ANGLE_SLACK, Run, angle_between, measure_sides, other_side_word};
+
+/// Halvings of the parameter of the anchor: one bit of an f64 each.
+const HALVINGS: u32 = 60;
+
+/// A closed line shorter than this, relative to its longest crossed edge, is a point.
+const COLLAPSED_LENGTH: f64 = 1e-12;
+
+/// What a closed line is held by.
+enum Loop {
+    /// Nothing: it is straight.
+    Straight(Leg),
+    /// A vertex; the run's letters come first in the word.
+    Anchored { word: Vec<HalfedgeId>, vertex: VertexId, run_length: usize },
+}
+
+/// How an anchored loop goes on.
+enum Next {
+    Done(Leg),
+    Again(Loop),
+}
+
+/// Straightens a closed strip. `on_round` is told the line after each round and may stop the work.
+///
+/// # Errors
+/// [`Error::Collapsed`] when the line shrinks to a point, and what `on_round` returns.
+pub fn straighten_loop(
+    mesh: &SurfaceMesh,
+    word: Vec<HalfedgeId>,
+    work: &mut Workspace,
+    report: &mut Report,
+    mut on_round: impl FnMut(&Leg, &mut Report) -> Result<bool>,
+) -> Result<Leg> {
+    let mut state = relax_loop(mesh, word, report)?;
+    loop {
+        match state {
+            Loop::Straight(leg) => {
+                on_round(&leg, report)?;
+                return Ok(leg);
+            }
+            Loop::Anchored { word, vertex, run_length } => {
+                match relax_anchored(mesh, word, vertex, run_length, work, report, &mut on_round)? {
+                    Next::Done(leg) => return Ok(leg),
+                    Next::Again(next) => state = next,
+                }
+            }
+        }
+    }
+}
+
+/// Finds the best point of the first letter's edge to go round from.
+fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report) -> Result<Loop> {
+    let collapsed = Err(Error::Collapsed { iterations: report.iterations });
+    reduce_seam(mesh, &mut word);
+    let Some(&first) = word.first() else { return collapsed };
+    if mesh.ends(first).into_iter().any(|v| word.iter().all(|&h| mesh.touches(h, v))) {
+        return collapsed;
+    }
+    let rest = &word[1..];
+    let [low, high] = mesh.sorted_ends(first);
+    let (low_at, high_at) = (mesh.position(low), mesh.position(high));
+    let mut unfolding = Unfolding::default();
+    unfolding.unfold(mesh, low_at, rest, low_at);
+    let [start_low, end_low] = [unfolding.start, unfolding.end];
+    let (start_high, end_high) = {
+        let [a, b] = unfolding.portals[0].map(|e| unfolding.ends[e as usize]);
+        let below = ahead_of(mesh.position(a.vertex), mesh.position(b.vertex), a.at, b.at, high_at);
+        let [a, b] = unfolding.portals[unfolding.portals.len() - 1].map(|e| unfolding.ends[e as usize]);
+        let end = ahead_of(mesh.position(a.vertex), mesh.position(b.vertex), a.at, b.at, high_at);
+        (DVec2::new(below.x, -below.y), end)
+    };
+    let (start_edge, end_edge) = (start_high - start_low, end_high - end_low);
+    let mut funnel = Funnel::default();
+    let mut go_round = |unfolding: &mut Unfolding, s: f64| {
+        unfolding.start = start_low + s * start_edge;
+        unfolding.end = end_low + s * end_edge;
+        report.funnels += 1;
+        funnel.run(unfolding);
+        let at = |e: &u32| unfolding.ends[*e as usize].at;
+        let first = funnel.corners.first().map_or(unfolding.end, at);
+        let last = funnel.corners.last().map_or(unfolding.start, at);
+        let (out, back) = (first - unfolding.start, unfolding.end - last);
+        let slope = back.normalize_or_zero().dot(end_edge) - out.normalize_or_zero().dot(start_edge);
+        (funnel.corners.clone(), slope)
+    };
+    // If nothing is in the way, the squared distance is a parabola in s.
+    let (gap, growth) = (end_low - start_low, end_edge - start_edge);
+    let parabola = if growth.length_squared() > 0.0 { -gap.dot(growth) / growth.length_squared() } else { 0.5 };
+    let mut s = parabola.clamp(0.0, 1.0);
+    let (mut corners, mut slope) = go_round(&mut unfolding, s);
+    let is_best = corners.is_empty() || (s == 0.0 && slope >= 0.0) || (s == 1.0 && slope <= 0.0);
+    if !is_best {
+        let (mut below, mut above) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            if slope > 0.0 { above = s } else { below = s }
+            s = 0.5 * (below + above);
+            (corners, slope) = go_round(&mut unfolding, s);
+        }
+    }
+    let longest = word.iter().map(|&h| edge_length(mesh, h)).fold(0.0, f64::max);
+    if corners.is_empty() {
+        if unfolding.start.distance(unfolding.end) <= COLLAPSED_LENGTH * longest {
+            return collapsed;
+        }
+        if s == 0.0 || s == 1.0 {
+            let vertex = if s == 0.0 { low } else { high };
+            return Ok(Loop::Anchored { word, vertex, run_length: 1 });
+        }
+        let mut leg = Leg { first: first.triangle(), word: word.clone(), parameters: vec![s] };
+        cross_straight(mesh, &unfolding, rest, &mut leg.parameters);
+        return Ok(Loop::Straight(leg));
+    }
+    let end = unfolding.ends[corners[0] as usize];
+    let run_length = (end.last - end.first + 1) as usize;
+    word.rotate_left(end.first as usize + 1);
+    Ok(Loop::Anchored { word, vertex: end.vertex, run_length })
+}
+
+/// The open line from the anchor round to itself, and then whether the anchor stays.
+fn relax_anchored(
+    mesh: &SurfaceMesh,
+    word: Vec<HalfedgeId>,
+    vertex: VertexId,
+    run_length: usize,
+    work: &mut Workspace,
+    report: &mut Report,
+    on_round: &mut impl FnMut(&Leg, &mut Report) -> Result<bool>,
+) -> Result<Next> {
+    let collapsed = Err(Error::Collapsed { iterations: report.iterations });
+    let (run, rest) = word.split_at(run_length);
+    let Some(&first) = rest.first() else { return collapsed };
+    let pin = point_at_vertex(mesh, first, vertex);
+    let open = Leg { first: first.triangle(), word: rest.to_vec(), parameters: Vec::new() };
+    let mut solver = GeodesicLeg::new(mesh, &open, &pin, &pin, work, report);
+    let whole = |solver: &GeodesicLeg, work: &mut Workspace| {
+        let leg = solver.to_leg(mesh, work);
+        let mut turn = Vec::new();
+        for &letter in solver.dropped_at_end.iter().chain(run).chain(&solver.dropped_at_start) {
+            push_reduced(mesh, &mut turn, letter);
+        }
+        (leg, unwind(mesh, &turn).unwrap_or(turn))
+    };
+    let mut may_go_on = true;
+    while solver.is_active() && may_go_on {
+        solver.advance(mesh, work, report);
+        let (leg, turn) = whole(&solver, work);
+        may_go_on = on_round(&with_turn(mesh, &leg, &turn, vertex), report)?;
+    }
+    let (leg, turn) = whole(&solver, work);
+    if leg.word.is_empty() {
+        return collapsed;
+    }
+    if !may_go_on || solver.is_capped {
+        return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex)));
+    }
+    let new_turn = match (turn.first(), turn.last()) {
+        (Some(&first), Some(&last)) => {
+            let run = measure_turn(mesh, &leg, vertex, first, last);
+            let sides = measure_sides(mesh, &run);
+            let limit = PI - ANGLE_SLACK;
+            if sides.own >= limit && sides.other >= limit {
+                return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex)));
+            }
+            if sides.own <= sides.other {
+                turn
+            } else {
+                report.vertex_passes += 1;
+                other_side_word(mesh, &run)
+            }
+        }
+        _ => turn,
+    };
+    let corners = solver.corner_runs();
+    let mut word = leg.word;
+    for letter in new_turn {
+        push_reduced(mesh, &mut word, letter);
+    }
+    reduce_seam(mesh, &mut word);
+    // Hold on to a corner far from the old anchor; without one the loop is free again.
+    let middle = corners.len() / 2;
+    let far_first = corners[middle..].iter().chain(&corners[..middle]);
+    for (vertex, letters) in far_first {
+        let found = word.windows(letters.len()).position(|window| window == letters.as_slice());
+        if let Some(start) = found.filter(|_| word.len() > letters.len()) {
+            word.rotate_left(start);
+            return Ok(Next::Again(Loop::Anchored { word, vertex: *vertex, run_length: letters.len() }));
+        }
+    }
+    Ok(Next::Again(relax_loop(mesh, word, report)?))
+}
+
+/// The closed leg: the open line and the letters that turn round the anchor.
+fn with_turn(mesh: &SurfaceMesh, leg: &Leg, turn: &[HalfedgeId], vertex: VertexId) -> Leg {
+    let mut closed = leg.clone();
+    closed.word.extend_from_slice(turn);
+    closed.parameters.extend(turn.iter().map(|&h| parameter_at(mesh, h, vertex)));
+    closed
+}
+
+fn measure_turn(mesh: &SurfaceMesh, leg: &Leg, vertex: VertexId, first: HalfedgeId, last: HalfedgeId) -> Run {
+    let centre = mesh.position(vertex);
+    let far = |spoke: HalfedgeId| {
+        let [a, b] = mesh.ends(spoke);
+        mesh.position(if a == vertex { b } else { a }) - centre
+    };
+    let at = |i: usize| crossing_position(mesh, leg.word[i], leg.parameters[i]) - centre;
+    Run {
+        vertex,
+        first,
+        last,
+        angle_in: angle_between(far(first), at(leg.word.len() - 1)),
+        angle_out: angle_between(far(last), at(0)),
+    }
+}
+
+fn point_at_vertex(mesh: &SurfaceMesh, letter: HalfedgeId, vertex: VertexId) -> SurfacePoint {
+    let triangle = letter.triangle();
+    let barycentric = mesh.corners(triangle).map(|c| if c == vertex { 1.0 } else { 0.0 });
+    SurfacePoint { triangle, barycentric }
+}
+
+fn edge_length(mesh: &SurfaceMesh, letter: HalfedgeId) -> f64 {
+    let [a, b] = mesh.ends(letter);
+    mesh.position(a).distance(mesh.position(b))
+}

@@ -1,0 +1,328 @@
+//! The `geodesic` filter on one leg: a locally shortest line between two fixed points, exactly.
+//!
+//! Step C is the funnel, step D the two-angle rule, and both stay local: after a vertex was passed, only the stretch
+//! between the neighbouring corners is straightened again. Every change shortens the line, so it ends. Closed lines
+//! without pins are in `closed_geodesic`.
+//!
+//! Source: the loop is the paper's (steps C and D); the exact parts are Lee & Preparata 1984 (funnel) and Xin & Wang
+//! 2007 (which side of a vertex).
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+
+use crate::chain::{Chain, END, START};
+use crate::ids::{HalfedgeId, VertexId};
+use crate::mesh::SurfaceMesh;
+use crate::relax::funnel::{Funnel, cross_portal};
+use crate::report::Report;
+use crate::route::{Leg, Spot, parameter_at, spot_of};
+use crate::surface_point::SurfacePoint;
+use crate::unfold::Unfolding;
+use crate::vertex_pass::{ANGLE_SLACK, angle_between, measure_sides, other_side_word};
+
+/// Changes at one mesh vertex after which it is left as it is. In exact arithmetic a handful is enough, as every change
+/// shortens the line; more are rounding at needles, and would go on for ever.
+const MAX_CHANGES_AT_VERTEX: u32 = 60;
+
+/// Work space shared by the legs of a line; kept for its memory.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    unfolding: Unfolding,
+    funnel: Funnel,
+    links: Vec<u32>,
+    letters: Vec<HalfedgeId>,
+}
+
+/// One fixed end of a leg.
+#[derive(Clone, Copy, Debug)]
+struct Anchor {
+    position: DVec3,
+    spot: Spot,
+}
+
+/// A leg while it is being straightened.
+#[derive(Debug)]
+pub struct GeodesicLeg {
+    chain: Chain,
+    start: Anchor,
+    end: Anchor,
+    /// Corners that may have to be passed or released.
+    active: Vec<u32>,
+    changes: HashMap<VertexId, u32>,
+    /// Letters dropped at the start, in the order of the word; they turn round the start point.
+    pub dropped_at_start: Vec<HalfedgeId>,
+    /// Letters dropped at the end, in the order of the word.
+    pub dropped_at_end: Vec<HalfedgeId>,
+    /// Whether a vertex was left because of [`MAX_CHANGES_AT_VERTEX`].
+    pub is_capped: bool,
+}
+
+impl GeodesicLeg {
+    /// Straightens the leg's strip once (step C of the first round).
+    pub fn new(
+        mesh: &SurfaceMesh,
+        leg: &Leg,
+        start: &SurfacePoint,
+        end: &SurfacePoint,
+        work: &mut Workspace,
+        report: &mut Report,
+    ) -> Self {
+        let anchor = |p: &SurfacePoint| Anchor { position: mesh.position_of(p), spot: spot_of(mesh, p) };
+        let mut this = Self {
+            chain: Chain::new(leg.first, &leg.word),
+            start: anchor(start),
+            end: anchor(end),
+            active: Vec::new(),
+            changes: HashMap::new(),
+            dropped_at_start: Vec::new(),
+            dropped_at_end: Vec::new(),
+            is_capped: false,
+        };
+        this.straighten(mesh, START, END, work, report);
+        this
+    }
+
+    /// Whether anything is left to look at.
+    pub fn is_active(&self) -> bool {
+        !self.active.is_empty()
+    }
+
+    /// One round: step D at every corner that may need it, and step C on the stretches that changed.
+    pub fn advance(&mut self, mesh: &SurfaceMesh, work: &mut Workspace, report: &mut Report) {
+        let mut round = std::mem::take(&mut self.active);
+        round.sort_unstable();
+        round.dedup();
+        for corner in round {
+            if self.chain.is_alive(corner) && corner != START && corner != END {
+                self.visit(mesh, corner, work, report);
+            }
+        }
+    }
+
+    fn visit(&mut self, mesh: &SurfaceMesh, corner: u32, work: &mut Workspace, report: &mut Report) {
+        if let Some(rest) = self.unwound(mesh, corner) {
+            // The strip goes round the vertex once or more: that is a loop, whatever the angles.
+            report.loops_removed += 1;
+            let (previous, next) = self.chain.replace_run(mesh, corner, &rest);
+            self.straighten(mesh, previous, next, work, report);
+            return;
+        }
+        let run = self.chain.run(corner);
+        let sides = measure_sides(mesh, &run);
+        let limit = PI - ANGLE_SLACK;
+        if sides.own >= limit && sides.other >= limit {
+            return;
+        }
+        let changes = self.changes.entry(run.vertex).or_insert(0);
+        *changes += 1;
+        if *changes > MAX_CHANGES_AT_VERTEX {
+            self.is_capped = true;
+            return;
+        }
+        let (previous, next) = if sides.own <= sides.other {
+            let around = (self.chain.previous_corner(corner), self.chain.next_corner(corner));
+            self.chain.remove_corner(corner);
+            around
+        } else {
+            report.vertex_passes += 1;
+            self.chain.replace_run(mesh, corner, &other_side_word(mesh, &run))
+        };
+        self.straighten(mesh, previous, next, work, report);
+    }
+
+    /// The run without its full turns, or `None` when it has none.
+    fn unwound(&self, mesh: &SurfaceMesh, corner: u32) -> Option<Vec<HalfedgeId>> {
+        let letters = self.chain.run_letters(corner);
+        unwind(mesh, &letters)
+    }
+
+    /// Step C on the stretch between two neighbouring corners or ends.
+    fn straighten(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, work: &mut Workspace, report: &mut Report) {
+        self.trim(mesh, from, to);
+        self.chain.stretch(from, to, &mut work.links, &mut work.letters);
+        let (a, b) = (self.anchor_position(mesh, from, true), self.anchor_position(mesh, to, false));
+        self.active.extend([from, to]);
+        if work.letters.is_empty() {
+            self.measure_direct(mesh, from, to, a, b);
+            return;
+        }
+        report.funnels += 1;
+        work.unfolding.unfold(mesh, a, &work.letters, b);
+        work.funnel.run(&work.unfolding);
+        self.place_corners(mesh, from, to, work);
+    }
+
+    /// Letters next to an end of a stretch that touch it are crossed there: a corner takes them into its run, a pin
+    /// drops them (the line may leave a pin by any triangle that holds it).
+    fn trim(&mut self, mesh: &SurfaceMesh, from: u32, to: u32) {
+        let (mut links, mut letters) = (Vec::new(), Vec::new());
+        self.chain.stretch(from, to, &mut links, &mut letters);
+        let mut rest: &[HalfedgeId] = &letters;
+        while let Some((&letter, tail)) = rest.split_first() {
+            if from == START && is_at(mesh, &self.start.spot, letter) {
+                self.dropped_at_start.push(self.chain.drop_first(mesh));
+            } else if from != START && mesh.touches(letter, self.chain.vertex(from)) {
+                self.chain.absorb_next(from);
+            } else {
+                break;
+            }
+            rest = tail;
+        }
+        while let Some((&letter, head)) = rest.split_last() {
+            if to == END && is_at(mesh, &self.end.spot, letter) {
+                self.dropped_at_end.insert(0, self.chain.drop_last());
+            } else if to != END && mesh.touches(letter, self.chain.vertex(to)) {
+                self.chain.absorb_previous(to);
+            } else {
+                break;
+            }
+            rest = head;
+        }
+    }
+
+    fn anchor_position(&self, mesh: &SurfaceMesh, corner: u32, is_start: bool) -> DVec3 {
+        match corner {
+            START | END => if is_start { self.start.position } else { self.end.position },
+            _ => mesh.position(self.chain.vertex(corner)),
+        }
+    }
+
+    /// Angles at the ends of a stretch without letters: both ends lie in one triangle.
+    fn measure_direct(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, a: DVec3, b: DVec3) {
+        if from != START {
+            let run = self.chain.run(from);
+            let angle = angle_between(far_end(mesh, run.last, run.vertex) - a, b - a);
+            self.chain.set_angle_out(from, angle);
+        }
+        if to != END {
+            let run = self.chain.run(to);
+            let angle = angle_between(far_end(mesh, run.first, run.vertex) - b, a - b);
+            self.chain.set_angle_in(to, angle);
+        }
+    }
+
+    /// Makes corners of what the funnel found, and measures the angles at all corners of the stretch.
+    fn place_corners(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, work: &Workspace) {
+        let unfolding = &work.unfolding;
+        let at = |end: u32| unfolding.ends[end as usize].at;
+        // Runs first, as a letter that two corners share goes to the earlier one.
+        let mut runs: Vec<(u32, u32, u32)> = Vec::with_capacity(work.funnel.corners.len());
+        let mut free = 0;
+        for &end in &work.funnel.corners {
+            let portal_end = unfolding.ends[end as usize];
+            let (first, last) = (portal_end.first.max(free), portal_end.last);
+            if first <= last {
+                runs.push((end, first, last));
+                free = last + 1;
+            }
+        }
+        let goes_to = |i: usize| runs.get(i).map_or(unfolding.end, |&(next, ..)| at(next));
+        if from != START {
+            let far = far_vertex(mesh, self.chain.run(from).last, self.chain.vertex(from));
+            self.chain.set_angle_out(from, planar_angle(unfolding.start, portal_place(unfolding, 0, far), goes_to(0)));
+        }
+        let mut corner = from;
+        let mut came_from = unfolding.start;
+        for (i, &(end, first, last)) in runs.iter().enumerate() {
+            let vertex = unfolding.ends[end as usize].vertex;
+            let id = self.chain.insert_corner(corner, vertex, work.links[first as usize], work.links[last as usize]);
+            self.chain.set_angle_in(id, planar_angle(at(end), at(unfolding.other_end(first, end)), came_from));
+            self.chain.set_angle_out(id, planar_angle(at(end), at(unfolding.other_end(last, end)), goes_to(i + 1)));
+            self.active.push(id);
+            came_from = at(end);
+            corner = id;
+        }
+        if to != END {
+            let far = far_vertex(mesh, self.chain.run(to).first, self.chain.vertex(to));
+            let last = unfolding.portals.len() - 1;
+            self.chain.set_angle_in(to, planar_angle(unfolding.end, portal_place(unfolding, last, far), came_from));
+        }
+    }
+
+    /// The straightened leg with its parameters, and the vertices that it runs through.
+    pub fn to_leg(&self, mesh: &SurfaceMesh, work: &mut Workspace) -> Leg {
+        let mut leg = Leg { first: self.chain.first_triangle(), word: Vec::new(), parameters: Vec::new() };
+        let mut from = START;
+        loop {
+            let to = self.chain.next_corner(from);
+            self.chain.stretch(from, to, &mut work.links, &mut work.letters);
+            let (a, b) = (self.anchor_position(mesh, from, true), self.anchor_position(mesh, to, false));
+            work.unfolding.unfold(mesh, a, &work.letters, b);
+            cross_straight(mesh, &work.unfolding, &work.letters, &mut leg.parameters);
+            leg.word.extend_from_slice(&work.letters);
+            if to == END {
+                return leg;
+            }
+            for letter in self.chain.run_letters(to) {
+                leg.word.push(letter);
+                leg.parameters.push(parameter_at(mesh, letter, self.chain.vertex(to)));
+            }
+            from = to;
+        }
+    }
+
+    /// Vertices that the line runs through between its ends, each with the letters of its run.
+    pub fn corner_runs(&self) -> Vec<(VertexId, Vec<HalfedgeId>)> {
+        let mut runs = Vec::new();
+        let mut corner = self.chain.next_corner(START);
+        while corner != END {
+            runs.push((self.chain.vertex(corner), self.chain.run_letters(corner)));
+            corner = self.chain.next_corner(corner);
+        }
+        runs
+    }
+
+    /// Whether the line runs through mesh vertices between its ends.
+    pub fn has_corners(&self) -> bool {
+        self.chain.next_corner(START) != END
+    }
+}
+
+/// Appends the parameters at which the straight line from start to end crosses the portals of an unfolding.
+pub fn cross_straight(mesh: &SurfaceMesh, unfolding: &Unfolding, letters: &[HalfedgeId], parameters: &mut Vec<f64>) {
+    for (&letter, &[left, right]) in letters.iter().zip(&unfolding.portals) {
+        let (left, right) = (&unfolding.ends[left as usize], &unfolding.ends[right as usize]);
+        let t = cross_portal(unfolding.start, unfolding.end, left.at, right.at);
+        parameters.push(if mesh.sorted_ends(letter)[0] == left.vertex { t } else { 1.0 - t });
+    }
+}
+
+/// A run of letters round one vertex without its full turns; `None` when it has none.
+pub fn unwind(mesh: &SurfaceMesh, letters: &[HalfedgeId]) -> Option<Vec<HalfedgeId>> {
+    let before = letters[0].triangle();
+    let last_return = letters.iter().rposition(|&h| crate::strip::entered_triangle(mesh, h) == before)?;
+    Some(letters[last_return + 1..].to_vec())
+}
+
+fn planar_angle(apex: DVec2, u: DVec2, v: DVec2) -> f64 {
+    let (u, v) = (u - apex, v - apex);
+    u.perp_dot(v).abs().atan2(u.dot(v))
+}
+
+/// Where `vertex`, an end of letter `letter`'s portal, lies in the plane.
+fn portal_place(unfolding: &Unfolding, letter: usize, vertex: VertexId) -> DVec2 {
+    let [left, right] = unfolding.portals[letter];
+    let (left, right) = (&unfolding.ends[left as usize], &unfolding.ends[right as usize]);
+    if left.vertex == vertex { left.at } else { right.at }
+}
+
+/// The end of a spoke of `vertex` that is not `vertex`.
+fn far_vertex(mesh: &SurfaceMesh, spoke: HalfedgeId, vertex: VertexId) -> VertexId {
+    let [a, b] = mesh.ends(spoke);
+    if a == vertex { b } else { a }
+}
+
+fn far_end(mesh: &SurfaceMesh, spoke: HalfedgeId, vertex: VertexId) -> DVec3 {
+    mesh.position(far_vertex(mesh, spoke, vertex))
+}
+
+/// Whether a place of the mesh lies on the edge of `letter`.
+fn is_at(mesh: &SurfaceMesh, spot: &Spot, letter: HalfedgeId) -> bool {
+    match *spot {
+        Spot::Vertex(v) => mesh.touches(letter, v),
+        Spot::Edge(edge, _) => letter == edge || mesh.twin(letter) == Some(edge),
+        Spot::Inside(_) => false,
+    }
+}

@@ -1,0 +1,150 @@
+//! The shortest line through an unfolded strip, exactly, in one walk.
+//!
+//! Source: D. T. Lee, F. P. Preparata 1984, *Euclidean Shortest Paths in the Presence of Rectilinear Barriers*, with the
+//! funnel as a deque; each portal end is pushed once and popped at most once, so the cost is O(letters).
+//!
+//! ```text
+//!       left chain                The funnel holds the shortest lines from the apex to both ends of
+//!      .-'   '-.                  the current portal. A new end pops what its line does not touch;
+//!  apex          > portal         when it pops past the apex, the apex moves on: a corner is certain.
+//!      '-.___.-'
+//!       right chain
+//! ```
+
+use glam::DVec2;
+
+use crate::unfold::Unfolding;
+
+/// In a path: the start point instead of a portal end.
+const START: u32 = u32::MAX;
+
+/// Two directions are taken for parallel when the sine between them is below this: 64 roundings of the coordinates.
+/// A corner that the line grazes is kept, so that step D looks at it.
+const GRAZE: f64 = 64.0 * f64::EPSILON;
+
+/// Work space of the funnel; kept between uses for its memory.
+#[derive(Clone, Debug, Default)]
+pub struct Funnel {
+    deque: Vec<u32>,
+    parents: Vec<u32>,
+    /// Portal ends at which the shortest line turns or grazes, first to last, as places in [`Unfolding::ends`].
+    pub corners: Vec<u32>,
+}
+
+impl Funnel {
+    /// Finds the corners of the shortest line from the start to the end of `unfolding`.
+    pub fn run(&mut self, unfolding: &Unfolding) {
+        self.corners.clear();
+        let count = unfolding.ends.len();
+        if unfolding.portals.is_empty() {
+            return;
+        }
+        self.parents.clear();
+        self.parents.resize(count, START);
+        self.deque.clear();
+        self.deque.resize(2 * count + 3, START);
+        let at = |end: u32| if end == START { unfolding.start } else { unfolding.ends[end as usize].at };
+        // `low` is the left end of the funnel, `high` the right one, `apex` between them.
+        let mut funnel = Span { low: count + 1, apex: count + 1, high: count + 1 };
+        let mut last = [START, START];
+        for &portal in &unfolding.portals {
+            for side in [0, 1] {
+                let end = portal[side];
+                if end == last[side] {
+                    continue;
+                }
+                last[side] = end;
+                let parent = self.shrink(&mut funnel, side, at(end), at);
+                self.parents[end as usize] = parent;
+                if side == 0 {
+                    funnel.low -= 1;
+                    self.deque[funnel.low] = end;
+                } else {
+                    funnel.high += 1;
+                    self.deque[funnel.high] = end;
+                }
+            }
+        }
+        let mut corner = self.shrink(&mut funnel, 0, unfolding.end, at);
+        while corner != START {
+            self.corners.push(corner);
+            corner = self.parents[corner as usize];
+        }
+        self.corners.reverse();
+    }
+
+    /// Pops what a line to `point`, coming from side `side` (0 left, 1 right), does not touch; returns what it touches last.
+    fn shrink(&self, funnel: &mut Span, side: usize, point: DVec2, at: impl Fn(u32) -> DVec2) -> u32 {
+        // For the left end: a chain turns left only, and the line to `point` must too. The right end is its mirror image.
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let turn = |a: u32, b: u32| {
+            let (u, v) = (at(b) - at(a), point - at(b));
+            sign * u.perp_dot(v) >= -GRAZE * u.length() * v.length()
+        };
+        if side == 0 {
+            while funnel.low < funnel.apex && !turn(self.deque[funnel.low + 1], self.deque[funnel.low]) {
+                funnel.low += 1;
+            }
+            if funnel.low == funnel.apex {
+                while funnel.apex < funnel.high && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex + 1]), point) {
+                    funnel.apex += 1;
+                }
+                funnel.low = funnel.apex;
+            }
+            self.deque[funnel.low]
+        } else {
+            while funnel.high > funnel.apex && !turn(self.deque[funnel.high - 1], self.deque[funnel.high]) {
+                funnel.high -= 1;
+            }
+            if funnel.high == funnel.apex {
+                while funnel.apex > funnel.low && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex - 1]), point) {
+                    funnel.apex -= 1;
+                }
+                funnel.high = funnel.apex;
+            }
+            self.deque[funnel.high]
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    low: usize,
+    apex: usize,
+    high: usize,
+}
+
+/// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
+/// right chain, or grazes it; the mirror image for `sign` -1.
+fn passes(sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
+    let (u, v) = (corner - apex, point - apex);
+    sign * u.perp_dot(v) <= GRAZE * u.length() * v.length()
+}
+
+/// Where the segment from `from` to `to` crosses the portal from `left` to `right`: 0 at the left end, 1 at the right.
+#[inline]
+pub fn cross_portal(from: DVec2, to: DVec2, left: DVec2, right: DVec2) -> f64 {
+    let direction = to - from;
+    let (l, r) = (direction.perp_dot(left - from), -direction.perp_dot(right - from));
+    // l > 0: the left end is to the left; r > 0: the right end is to the right.
+    if l <= 0.0 {
+        0.0
+    } else if r <= 0.0 {
+        1.0
+    } else {
+        l / (l + r)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_portal_is_crossed_where_the_segment_says() {
+        let (left, right) = (DVec2::new(-1.0, 0.0), DVec2::new(3.0, 0.0));
+        assert_eq!(cross_portal(DVec2::new(0.0, -1.0), DVec2::new(0.0, 1.0), left, right), 0.25);
+        assert_eq!(cross_portal(DVec2::new(-5.0, -1.0), DVec2::new(-5.0, 1.0), left, right), 0.0);
+        assert_eq!(cross_portal(DVec2::new(5.0, -1.0), DVec2::new(5.0, 1.0), left, right), 1.0);
+    }
+}

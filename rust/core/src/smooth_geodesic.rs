@@ -1,0 +1,140 @@
+//! The `geodesic` filter on a whole line: all legs round by round, or the one closed leg without pins.
+//!
+//! Holds the limits and the stop reason; the geometry is in `filter::geodesic` and `filter::closed_geodesic`.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::filter::closed_geodesic::straighten_loop;
+use crate::filter::geodesic::{GeodesicLeg, Workspace};
+use crate::mesh::SurfaceMesh;
+use crate::options::Options;
+use crate::polyline::Polyline;
+use crate::report::{Observer, Report, Step, StopReason};
+use crate::route::{Leg, Route};
+use crate::smooth::go_on;
+
+/// Rounds that a line of `letters` crossings may take without a limit of the caller's: measured lines take up to 170
+/// rounds for 1 500 crossings (slivers); this is never reached, but it is finite.
+fn round_bound(letters: usize) -> u32 {
+    1000 + 20 * letters.min(1 << 26) as u32
+}
+
+/// Straightens all legs of `route` until each is locally shortest.
+///
+/// # Errors
+/// [`crate::Error::Collapsed`], [`crate::Error::Interrupted`].
+pub fn smooth_geodesic(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    options: &Options,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<()> {
+    let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
+    let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
+    let mut work = Workspace::default();
+    let is_finished = if route.pins.is_empty() {
+        smooth_loop(mesh, route, limit, options.stages, &mut work, report, observer)?
+    } else {
+        smooth_legs(mesh, route, limit, options.stages, &mut work, report, observer)?
+    };
+    for leg in &mut route.legs {
+        leg.snap_to_vertices(mesh);
+    }
+    let touches_vertex = route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0);
+    report.stop_reason = match (is_finished, touches_vertex) {
+        (Finish::Settled, false) => StopReason::Converged,
+        (Finish::Settled, true) => StopReason::ConvergedAtVertices,
+        (Finish::Cycling, _) => StopReason::Cycle,
+        (Finish::Limited, _) => StopReason::MaxIterations,
+    };
+    Ok(())
+}
+
+enum Finish {
+    Settled,
+    Cycling,
+    Limited,
+}
+
+fn smooth_legs(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    limit: u32,
+    stages: bool,
+    work: &mut Workspace,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<Finish> {
+    go_on(observer, Step::Relax)?;
+    let mut solvers: Vec<GeodesicLeg> = Vec::with_capacity(route.legs.len());
+    for (i, leg) in route.legs.iter().enumerate() {
+        let (Some(start), Some(end)) = (route.start_pin(i), route.end_pin(i)) else { continue };
+        solvers.push(GeodesicLeg::new(mesh, leg, start, end, work, report));
+    }
+    report.iterations = 1;
+    let take_legs = |solvers: &[GeodesicLeg], work: &mut Workspace| -> Vec<Leg> {
+        solvers.iter().map(|solver| solver.to_leg(mesh, work)).collect()
+    };
+    let keep_stage = |route: &Route, legs: Vec<Leg>, report: &mut Report| {
+        if stages {
+            report.stages.extend(points_of(mesh, &Route { legs, ..route.clone() }));
+        }
+    };
+    if stages {
+        keep_stage(route, take_legs(&solvers, work), report);
+    }
+    while solvers.iter().any(GeodesicLeg::is_active) && report.iterations < limit {
+        go_on(observer, Step::VertexPass)?;
+        let before = (report.vertex_passes, report.funnels, report.loops_removed);
+        for solver in solvers.iter_mut().filter(|s| s.is_active()) {
+            solver.advance(mesh, work, report);
+        }
+        // The last round only finds that nothing is left to do.
+        if (report.vertex_passes, report.funnels, report.loops_removed) != before || solvers.iter().any(GeodesicLeg::is_active) {
+            report.iterations += 1;
+            if stages {
+                keep_stage(route, take_legs(&solvers, work), report);
+            }
+        }
+    }
+    route.legs = take_legs(&solvers, work);
+    Ok(if solvers.iter().any(GeodesicLeg::is_active) {
+        Finish::Limited
+    } else if solvers.iter().any(|s| s.is_capped) {
+        Finish::Cycling
+    } else {
+        Finish::Settled
+    })
+}
+
+fn smooth_loop(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    limit: u32,
+    stages: bool,
+    work: &mut Workspace,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<Finish> {
+    let word = std::mem::take(&mut route.legs[0].word);
+    let shape = Route { closed: true, pins: Vec::new(), legs: Vec::new() };
+    let mut is_limited = false;
+    let leg = straighten_loop(mesh, word, work, report, |leg, report| {
+        go_on(observer, Step::Relax)?;
+        report.iterations += 1;
+        if stages {
+            report.stages.extend(points_of(mesh, &Route { legs: vec![leg.clone()], ..shape.clone() }));
+        }
+        is_limited = report.iterations >= limit;
+        Ok(!is_limited)
+    })?;
+    route.legs[0] = leg;
+    Ok(if is_limited { Finish::Limited } else { Finish::Settled })
+}
+
+/// Points of a route, for the stages; `None` never happens for routes that a filter made.
+pub fn points_of(mesh: &SurfaceMesh, route: &Route) -> Option<Vec<DVec3>> {
+    Polyline::assemble(mesh, route.clone(), Report::default()).map(|line| line.points)
+}

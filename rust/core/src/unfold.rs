@@ -1,0 +1,108 @@
+//! Unfolding a strip of triangles into the plane, without stretching any of them.
+//!
+//! ```text
+//!          apex                 The portal (left, right) is the edge that is crossed, as seen by someone who
+//!         /    \                walks along the strip. The next triangle's apex is placed ahead of it; then
+//!     left ---- right           the apex replaces one end of the portal: the end that the strip turns away from.
+//!         \    /
+//!          start
+//! ```
+//!
+//! Which side is left follows from walking, not from winding: a mesh with inconsistent winding unfolds as well. Holds
+//! no optimisation.
+
+use glam::{DVec2, DVec3};
+
+use crate::ids::{HalfedgeId, VertexId};
+use crate::mesh::SurfaceMesh;
+
+/// One end of a portal: where it lies in the plane, and over which letters of the word it stays an end.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PortalEnd {
+    /// Place in the plane.
+    pub at: DVec2,
+    /// The mesh vertex.
+    pub vertex: VertexId,
+    /// First letter that it is an end of.
+    pub first: u32,
+    /// Last letter that it is an end of.
+    pub last: u32,
+}
+
+/// A strip in the plane. Kept between uses for its memory.
+#[derive(Clone, Debug, Default)]
+pub struct Unfolding {
+    /// Portal ends in the order in which they appear.
+    pub ends: Vec<PortalEnd>,
+    /// For each letter the places of its left and right end in `ends`.
+    pub portals: Vec<[u32; 2]>,
+    /// The start point in the plane.
+    pub start: DVec2,
+    /// The end point in the plane.
+    pub end: DVec2,
+}
+
+impl Unfolding {
+    /// Unfolds the strip of `word` with `start` in its first triangle and `end` in its last.
+    ///
+    /// Lengths inside each triangle are kept to rounding; the frame is arbitrary (the first portal lies on the x axis
+    /// and the walk goes up). At an edge of zero length the direction is free, since every line must pass that point.
+    pub fn unfold(&mut self, mesh: &SurfaceMesh, start: DVec3, word: &[HalfedgeId], end: DVec3) {
+        self.ends.clear();
+        self.portals.clear();
+        let Some(&first) = word.first() else {
+            (self.start, self.end) = (DVec2::ZERO, DVec2::new(start.distance(end), 0.0));
+            return;
+        };
+        let [a, b] = mesh.ends(first);
+        let (pa, pb) = (mesh.position(a), mesh.position(b));
+        self.ends.push(PortalEnd { at: DVec2::ZERO, vertex: a, first: 0, last: 0 });
+        self.ends.push(PortalEnd { at: DVec2::new(pa.distance(pb), 0.0), vertex: b, first: 0, last: 0 });
+        let below = ahead_of(pa, pb, DVec2::ZERO, self.ends[1].at, start);
+        self.start = DVec2::new(below.x, -below.y);
+        let mut portal = [0u32, 1u32];
+        self.portals.push(portal);
+        for (i, pair) in word.windows(2).enumerate() {
+            let letter = i as u32 + 1;
+            let entered = mesh.twin(pair[0]).expect("a letter of a word has a twin");
+            let apex = mesh.apex(entered);
+            let at = self.ahead(mesh, portal, mesh.position(apex));
+            let is_left_kept = mesh.touches(pair[1], self.ends[portal[0] as usize].vertex);
+            portal[usize::from(is_left_kept)] = self.ends.len() as u32;
+            self.ends.push(PortalEnd { at, vertex: apex, first: letter, last: letter });
+            for end in portal {
+                self.ends[end as usize].last = letter;
+            }
+            self.portals.push(portal);
+        }
+        self.end = self.ahead(mesh, portal, end);
+    }
+
+    fn ahead(&self, mesh: &SurfaceMesh, [left, right]: [u32; 2], point: DVec3) -> DVec2 {
+        let (l, r) = (&self.ends[left as usize], &self.ends[right as usize]);
+        ahead_of(mesh.position(l.vertex), mesh.position(r.vertex), l.at, r.at, point)
+    }
+
+    /// The end of letter `letter`'s portal that is not `end`.
+    pub fn other_end(&self, letter: u32, end: u32) -> u32 {
+        let [left, right] = self.portals[letter as usize];
+        if left == end { right } else { left }
+    }
+}
+
+/// Where `point`, in a triangle on the edge from `left` to `right`, comes to lie ahead of that edge when the edge lies
+/// at `left_at`, `right_at`.
+#[inline]
+pub fn ahead_of(left: DVec3, right: DVec3, left_at: DVec2, right_at: DVec2, point: DVec3) -> DVec2 {
+    let edge = right - left;
+    let length = edge.length();
+    let offset = point - left;
+    let along_at = (right_at - left_at).normalize_or(DVec2::X);
+    if length == 0.0 {
+        return left_at + offset.length() * along_at.perp();
+    }
+    let along = edge / length;
+    let x = offset.dot(along);
+    let y = offset.cross(along).length();
+    left_at + x * along_at + y * along_at.perp()
+}
