@@ -81,10 +81,7 @@ def open_current_mesh(mesh_object: bpy.types.Object) -> Iterator[bpy.types.Mesh]
     try:
         yield copy
     finally:
-        keys = copy.shape_keys
-        bpy.data.meshes.remove(copy)
-        if keys is not None and keys.name in bpy.data.shape_keys and keys.users == 0:
-            bpy.data.shape_keys.remove(keys)
+        bpy.data.meshes.remove(copy)  # and its shape keys with it
 
 
 def read_positions(mesh_object: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray:

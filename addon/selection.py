@@ -32,7 +32,7 @@ def read_picks(mesh_object: bpy.types.Object) -> list[int]:
     picks = [item.index for item in history if isinstance(item, bmesh.types.BMFace) and item.select]
     selected_count = mesh.total_face_sel
     if selected_count == 0:
-        raise SelectionError(f"No faces are selected. {HOW_TO_PICK}")
+        raise SelectionError(f"No faces are selected on {mesh_object.name}. {HOW_TO_PICK}")
     if len(picks) < selected_count:
         raise SelectionError(
             f"{selected_count - len(picks)} of the {selected_count} selected faces have no order, as after box, "

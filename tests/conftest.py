@@ -1,0 +1,19 @@
+"""What every Python test shares: the head of the run says what it runs on, and what it must leave out.
+
+Holds no fixtures that need Blender (tests/addon has them).
+"""
+
+from importlib import metadata
+
+import numpy as np
+
+import meshes
+
+
+def pytest_report_header() -> list[str]:
+    folder = meshes.find_mesh_folder()
+    state = "found" if folder.is_dir() else "NOT FOUND: tests that need its meshes are skipped"
+    return [
+        f"smooth_polylines {metadata.version('smooth-polylines')}, numpy {np.__version__}",
+        f"test meshes: {folder} ({state})",
+    ]
