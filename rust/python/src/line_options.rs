@@ -2,9 +2,9 @@
 //!
 //! Ranges are judged by the core; here only words, types and numbers that the core's types cannot hold.
 
-use pyo3::exceptions::PyOverflowError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString};
+use pyo3::types::PyString;
 use smooth_polylines_core::{Filter, Knots, Pinned, Solver};
 
 use crate::choices::{choose, refuse_word};
@@ -109,13 +109,23 @@ pub enum Integer {
 
 /// Python's and numpy's integers, and whatever else can be an index.
 pub fn read_integer(value: &Bound<'_, PyAny>) -> PyResult<Integer> {
-    if value.is_instance_of::<PyBool>() {
+    // Older numpy lets its bool pass for an index.
+    if value.extract::<bool>().is_ok() {
         return Ok(Integer::No);
     }
-    match value.extract::<i128>() {
-        Ok(number) => Ok(Integer::Fits(number)),
-        Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => Ok(Integer::TooWide),
-        Err(_) => Ok(Integer::No),
+    let py = value.py();
+    match value.extract::<i64>() {
+        Ok(number) => Ok(Integer::Fits(number.into())),
+        Err(error) if error.is_instance_of::<PyTypeError>(py) => Ok(Integer::No),
+        Err(error) if error.is_instance_of::<PyOverflowError>(py) => {
+            // Only Python's own integers can be taken apart beyond 64 bits; numpy's uint64 is one of the others.
+            match value.call_method0("__index__")?.extract::<i128>() {
+                Ok(number) => Ok(Integer::Fits(number)),
+                Err(error) if error.is_instance_of::<PyOverflowError>(py) => Ok(Integer::TooWide),
+                Err(error) => Err(error),
+            }
+        }
+        Err(error) => Err(error),
     }
 }
 
@@ -139,7 +149,7 @@ fn read_flag(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
 }
 
 fn read_number(argument: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyResult<f64> {
-    if value.is_instance_of::<PyBool>() {
+    if value.extract::<bool>().is_ok() {
         return Err(refuse_type(argument, value, expected));
     }
     value.extract().map_err(|_| refuse_type(argument, value, expected))

@@ -1,0 +1,1 @@
+"""Tests of the Python binding, and of the core through it."""
