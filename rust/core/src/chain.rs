@@ -31,6 +31,8 @@ struct Corner {
     angle_in: f64,
     angle_out: f64,
     is_alive: bool,
+    /// Whether a neighbour's change took letters off the run since its angles were measured.
+    is_cut: bool,
 }
 
 /// See the module.
@@ -70,6 +72,7 @@ impl Chain {
                 angle_in: 0.0,
                 angle_out: 0.0,
                 is_alive: true,
+                is_cut: false,
             });
         }
     }
@@ -77,6 +80,11 @@ impl Chain {
     /// Whether a corner is still there.
     pub fn is_alive(&self, corner: u32) -> bool {
         self.corners[corner as usize].is_alive
+    }
+
+    /// Whether letters were taken off the corner's run since an angle was set.
+    pub fn is_cut(&self, corner: u32) -> bool {
+        self.corners[corner as usize].is_cut
     }
 
     /// The corner's vertex.
@@ -104,7 +112,13 @@ impl Chain {
     pub fn run(&self, corner: u32) -> Run {
         let c = &self.corners[corner as usize];
         let letter = |link: u32| self.links[link as usize].letter;
-        Run { vertex: c.vertex, first: letter(c.first), last: letter(c.last), angle_in: c.angle_in, angle_out: c.angle_out }
+        Run {
+            vertex: c.vertex,
+            first: letter(c.first),
+            last: letter(c.last),
+            angle_in: c.angle_in,
+            angle_out: c.angle_out,
+        }
     }
 
     /// Letters of the corner's run.
@@ -122,11 +136,13 @@ impl Chain {
     /// Sets the angle between the last spoke of a corner and the way out.
     pub fn set_angle_out(&mut self, corner: u32, angle: f64) {
         self.corners[corner as usize].angle_out = angle;
+        self.corners[corner as usize].is_cut = false;
     }
 
     /// Sets the angle between the way in and the first spoke of a corner.
     pub fn set_angle_in(&mut self, corner: u32, angle: f64) {
         self.corners[corner as usize].angle_in = angle;
+        self.corners[corner as usize].is_cut = false;
     }
 
     /// Writes the links strictly between two neighbouring corners to `links` and their letters to `letters`.
@@ -186,6 +202,7 @@ impl Chain {
             angle_in: 0.0,
             angle_out: 0.0,
             is_alive: true,
+            is_cut: false,
         });
         self.corners[after as usize].next = id;
         self.corners[next as usize].previous = id;
@@ -258,6 +275,7 @@ impl Chain {
                 *previous = before;
             } else {
                 self.corners[*previous as usize].last = self.links[link as usize].previous;
+                self.corners[*previous as usize].is_cut = true;
             }
         }
         self.unlink(link).0
@@ -272,6 +290,7 @@ impl Chain {
                 *next = after;
             } else {
                 self.corners[*next as usize].first = self.links[link as usize].next;
+                self.corners[*next as usize].is_cut = true;
             }
         }
         self.unlink(link).1

@@ -5,6 +5,8 @@
 use std::ops::ControlFlow;
 
 use crate::error::{Error, OptionError, Result};
+use crate::filter::cubic::Cubic;
+use crate::filter::linear::Linear;
 use crate::join::join_picks;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options};
@@ -12,6 +14,7 @@ use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
 use crate::route::Route;
 use crate::smooth_geodesic::smooth_geodesic;
+use crate::smooth_sliding::smooth_sliding;
 use crate::surface_point::Pick;
 
 /// A smooth line through or near `picks`.
@@ -38,7 +41,11 @@ pub fn polyline(
         _ if route.legs.is_empty() => {}
         Filter::None => {}
         Filter::Geodesic => smooth_geodesic(mesh, &mut route, options, &mut report, observer)?,
-        Filter::Linear | Filter::Cubic | Filter::Fair => {
+        Filter::Linear => smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?,
+        Filter::Cubic => {
+            smooth_sliding(mesh, &mut route, &Cubic { knots: options.knots }, options, &mut report, observer)?;
+        }
+        Filter::Fair => {
             return Err(OptionError::new("filter", "this filter is not there yet; use \"geodesic\" or \"none\"").into());
         }
     }

@@ -92,7 +92,9 @@ fn smooth_legs(
             solver.advance(mesh, work, report);
         }
         // The last round only finds that nothing is left to do.
-        if (report.vertex_passes, report.funnels, report.loops_removed) != before || solvers.iter().any(GeodesicLeg::is_active) {
+        if (report.vertex_passes, report.funnels, report.loops_removed) != before
+            || solvers.iter().any(GeodesicLeg::is_active)
+        {
             report.iterations += 1;
             if stages {
                 keep_stage(route, take_legs(&solvers, work), report);

@@ -113,7 +113,11 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
     if !is_best {
         let (mut below, mut above) = (0.0, 1.0);
         for _ in 0..HALVINGS {
-            if slope > 0.0 { above = s } else { below = s }
+            if slope > 0.0 {
+                above = s
+            } else {
+                below = s
+            }
             s = 0.5 * (below + above);
             (corners, slope) = go_round(&mut unfolding, s);
         }

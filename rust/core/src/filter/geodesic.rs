@@ -89,47 +89,59 @@ impl GeodesicLeg {
         !self.active.is_empty()
     }
 
-    /// One round: step D at every corner that may need it, and step C on the stretches that changed.
+    /// One round: step D at every corner that may need it, and then step C on the stretches that changed.
     pub fn advance(&mut self, mesh: &SurfaceMesh, work: &mut Workspace, report: &mut Report) {
         let mut round = std::mem::take(&mut self.active);
         round.sort_unstable();
         round.dedup();
+        let mut changed = Vec::new();
         for corner in round {
-            if self.chain.is_alive(corner) && corner != START && corner != END {
-                self.visit(mesh, corner, work, report);
+            // A corner whose run a neighbour's pass has cut is measured anew first, and looked at in the next round.
+            let is_measured =
+                corner != START && corner != END && self.chain.is_alive(corner) && !self.chain.is_cut(corner);
+            if is_measured {
+                changed.extend(self.change_at(mesh, corner, report));
+            }
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        for from in changed {
+            // Where a later change removed `from`, it noted the corner before it.
+            if self.chain.is_alive(from) {
+                self.straighten(mesh, from, self.chain.next_corner(from), work, report);
             }
         }
     }
 
-    fn visit(&mut self, mesh: &SurfaceMesh, corner: u32, work: &mut Workspace, report: &mut Report) {
+    /// Step D at one corner, if the line is better off without it there. Returns the corner before the change.
+    ///
+    /// Neighbouring corners may change in one round: the old line lies in the new strip as well, so no change can make
+    /// another one wrong.
+    fn change_at(&mut self, mesh: &SurfaceMesh, corner: u32, report: &mut Report) -> Option<u32> {
         if let Some(rest) = self.unwound(mesh, corner) {
             // The strip goes round the vertex once or more: that is a loop, whatever the angles.
             report.loops_removed += 1;
-            let (previous, next) = self.chain.replace_run(mesh, corner, &rest);
-            self.straighten(mesh, previous, next, work, report);
-            return;
+            return Some(self.chain.replace_run(mesh, corner, &rest).0);
         }
         let run = self.chain.run(corner);
         let sides = measure_sides(mesh, &run);
         let limit = PI - ANGLE_SLACK;
         if sides.own >= limit && sides.other >= limit {
-            return;
+            return None;
         }
         let changes = self.changes.entry(run.vertex).or_insert(0);
         *changes += 1;
         if *changes > MAX_CHANGES_AT_VERTEX {
             self.is_capped = true;
-            return;
+            return None;
         }
-        let (previous, next) = if sides.own <= sides.other {
-            let around = (self.chain.previous_corner(corner), self.chain.next_corner(corner));
+        if sides.own <= sides.other {
+            let previous = self.chain.previous_corner(corner);
             self.chain.remove_corner(corner);
-            around
-        } else {
-            report.vertex_passes += 1;
-            self.chain.replace_run(mesh, corner, &other_side_word(mesh, &run))
-        };
-        self.straighten(mesh, previous, next, work, report);
+            return Some(previous);
+        }
+        report.vertex_passes += 1;
+        Some(self.chain.replace_run(mesh, corner, &other_side_word(mesh, &run)).0)
     }
 
     /// The run without its full turns, or `None` when it has none.
@@ -184,7 +196,13 @@ impl GeodesicLeg {
 
     fn anchor_position(&self, mesh: &SurfaceMesh, corner: u32, is_start: bool) -> DVec3 {
         match corner {
-            START | END => if is_start { self.start.position } else { self.end.position },
+            START | END => {
+                if is_start {
+                    self.start.position
+                } else {
+                    self.end.position
+                }
+            }
             _ => mesh.position(self.chain.vertex(corner)),
         }
     }

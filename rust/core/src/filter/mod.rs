@@ -1,4 +1,47 @@
-//! The filters: what step C moves the line towards, one file each.
+//! The filters: what step C moves the line towards, one file each, behind one trait where the paper's step C is used.
+//!
+//! Source of the trait: the paper, section 5: a vertex slides on its own mesh edge towards the point nearest a curve that
+//! its neighbours define.
 
 pub mod closed_geodesic;
+pub mod cubic;
 pub mod geodesic;
+pub mod linear;
+
+use glam::DVec3;
+
+/// A mesh edge that a vertex of the line slides on: from `low` at parameter 0 to `high` at 1.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Edge {
+    /// The end with the lower vertex id.
+    pub low: DVec3,
+    /// The other end.
+    pub high: DVec3,
+}
+
+impl Edge {
+    /// The point at parameter `t`.
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        (1.0 - t) * self.low + t * self.high
+    }
+}
+
+/// Most neighbours a side that a filter looks at.
+pub const MAX_REACH: usize = 2;
+
+/// Neighbours of a vertex on one side, nearest first; coincident ones count as one.
+pub type Side = arrayvec::ArrayVec<DVec3, MAX_REACH>;
+
+/// A filter of the paper's kind.
+pub trait SlidingFilter {
+    /// Neighbours a side that the target depends on.
+    fn reach(&self) -> usize;
+
+    /// Where on `edge` the vertex belongs, in 0..=1, seen from its neighbours; `t` (where it is) when they do not tell.
+    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64;
+
+    /// How bad a stretch of line is; step D passes a vertex only if this falls. `points` hold the changed stretch and
+    /// `reach` fixed points on each side where there are as many.
+    fn measure(&self, points: &[DVec3]) -> f64;
+}

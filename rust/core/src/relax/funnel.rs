@@ -11,8 +11,10 @@
 //!       right chain
 //! ```
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
+use crate::ids::HalfedgeId;
+use crate::mesh::SurfaceMesh;
 use crate::unfold::Unfolding;
 
 /// In a path: the start point instead of a portal end.
@@ -86,7 +88,9 @@ impl Funnel {
                 funnel.low += 1;
             }
             if funnel.low == funnel.apex {
-                while funnel.apex < funnel.high && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex + 1]), point) {
+                while funnel.apex < funnel.high
+                    && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex + 1]), point)
+                {
                     funnel.apex += 1;
                 }
                 funnel.low = funnel.apex;
@@ -97,7 +101,9 @@ impl Funnel {
                 funnel.high -= 1;
             }
             if funnel.high == funnel.apex {
-                while funnel.apex > funnel.low && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex - 1]), point) {
+                while funnel.apex > funnel.low
+                    && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex - 1]), point)
+                {
                     funnel.apex -= 1;
                 }
                 funnel.high = funnel.apex;
@@ -133,6 +139,35 @@ pub fn cross_portal(from: DVec2, to: DVec2, left: DVec2, right: DVec2) -> f64 {
         1.0
     } else {
         l / (l + r)
+    }
+}
+
+/// Appends the parameters at which the shortest line from `start` to `end` crosses the letters of a word.
+pub fn shortest_crossings(
+    mesh: &SurfaceMesh,
+    start: DVec3,
+    word: &[HalfedgeId],
+    end: DVec3,
+    unfolding: &mut Unfolding,
+    funnel: &mut Funnel,
+    parameters: &mut Vec<f64>,
+) {
+    unfolding.unfold(mesh, start, word, end);
+    funnel.run(unfolding);
+    let mut corners = funnel.corners.iter().map(|&c| unfolding.ends[c as usize]).peekable();
+    let mut from = unfolding.start;
+    for (i, (&letter, &[left, right])) in word.iter().zip(&unfolding.portals).enumerate() {
+        while let Some(corner) = corners.next_if(|c| (c.last as usize) < i) {
+            from = corner.at;
+        }
+        let (left, right) = (&unfolding.ends[left as usize], &unfolding.ends[right as usize]);
+        let at_corner = corners.peek().filter(|c| c.first as usize <= i);
+        let from_left = match at_corner {
+            Some(corner) => f64::from(u8::from(corner.vertex != left.vertex)),
+            None => cross_portal(from, corners.peek().map_or(unfolding.end, |c| c.at), left.at, right.at),
+        };
+        let is_left_low = mesh.sorted_ends(letter)[0] == left.vertex;
+        parameters.push(if is_left_low { from_left } else { 1.0 - from_left });
     }
 }
 

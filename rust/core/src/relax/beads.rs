@@ -1,0 +1,113 @@
+//! The vertices of a line as step C sees them: points that slide on their mesh edges, and fixed points between them.
+//!
+//! Holds what the heap and Newton share: positions and the rule that coincident neighbours count as one.
+
+use glam::DVec3;
+
+use crate::filter::{Edge, Side};
+use crate::mesh::SurfaceMesh;
+use crate::route::Route;
+
+/// A line's vertices in order.
+#[derive(Clone, Debug, Default)]
+pub struct Beads {
+    /// The edge of each vertex; both ends equal for a fixed one.
+    pub edges: Vec<Edge>,
+    /// Parameters on the edges.
+    pub parameters: Vec<f64>,
+    /// Where each vertex is: `edges[i].at(parameters[i])`.
+    pub positions: Vec<DVec3>,
+    /// Whether a vertex stays where it is.
+    pub is_fixed: Vec<bool>,
+    /// Whether the last vertex is a neighbour of the first.
+    pub closed: bool,
+}
+
+impl Beads {
+    /// All crossings and pins of a route.
+    pub fn of_route(mesh: &SurfaceMesh, route: &Route) -> Self {
+        let mut beads = Self { closed: route.closed, ..Self::default() };
+        for k in 0..route.pins.len().max(route.legs.len()) {
+            if let Some(pin) = route.pins.get(k) {
+                beads.push_fixed(mesh.position_of(pin));
+            }
+            let Some(leg) = route.legs.get(k) else { continue };
+            for (&letter, &t) in leg.word.iter().zip(&leg.parameters) {
+                let [low, high] = mesh.sorted_ends(letter).map(|v| mesh.position(v));
+                beads.push(Edge { low, high }, t);
+            }
+        }
+        beads
+    }
+
+    /// Writes the parameters back to the route that the beads were made from.
+    pub fn write_to(&self, route: &mut Route) {
+        let mut next = 0;
+        for k in 0..route.pins.len().max(route.legs.len()) {
+            next += usize::from(k < route.pins.len());
+            let Some(leg) = route.legs.get_mut(k) else { continue };
+            let count = leg.parameters.len();
+            leg.parameters.copy_from_slice(&self.parameters[next..next + count]);
+            next += count;
+        }
+    }
+
+    /// Appends a sliding vertex.
+    pub fn push(&mut self, edge: Edge, t: f64) {
+        self.edges.push(edge);
+        self.parameters.push(t);
+        self.positions.push(edge.at(t));
+        self.is_fixed.push(false);
+    }
+
+    /// Appends a fixed vertex.
+    pub fn push_fixed(&mut self, position: DVec3) {
+        self.edges.push(Edge { low: position, high: position });
+        self.parameters.push(0.0);
+        self.positions.push(position);
+        self.is_fixed.push(true);
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// The vertex after (`forward`) or before `i`; `None` at the ends of an open line.
+    #[inline]
+    pub fn step(&self, i: usize, forward: bool) -> Option<usize> {
+        let count = self.len();
+        match (forward, self.closed) {
+            (true, _) if i + 1 < count => Some(i + 1),
+            (true, true) => Some(0),
+            (false, _) if i > 0 => Some(i - 1),
+            (false, true) => Some(count - 1),
+            _ => None,
+        }
+    }
+
+    /// Up to `reach` neighbours on one side, nearest first; vertices in one place count as one.
+    #[inline]
+    pub fn neighbours(&self, i: usize, forward: bool, reach: usize) -> Side {
+        let mut side = Side::new();
+        let mut here = self.positions[i];
+        let mut at = i;
+        while side.len() < reach {
+            let Some(next) = self.step(at, forward) else { break };
+            if next == i {
+                break;
+            }
+            at = next;
+            if self.positions[at] != here {
+                here = self.positions[at];
+                side.push(here);
+            }
+        }
+        side
+    }
+}

@@ -1,0 +1,246 @@
+//! Step D for the paper's filters: pass a mesh vertex only if the filter itself finds the other side better.
+//!
+//! The paper swaps every fan that the line has merged with, which cycles at saddles and gets stuck where several vertices
+//! of the line have merged. Here the vertices on the other side are placed together, where the straight line of the
+//! unfolded fan crosses the spokes, relaxed together with the filter, and kept only if the filter's measure fell.
+
+use std::f64::consts::PI;
+use std::ops::{ControlFlow, Range};
+
+use glam::DVec3;
+
+use crate::filter::{Edge, Side, SlidingFilter};
+use crate::ids::{HalfedgeId, VertexId};
+use crate::mesh::SurfaceMesh;
+use crate::relax::beads::Beads;
+use crate::relax::funnel::{Funnel, shortest_crossings};
+use crate::relax::heap::relax_by_heap;
+use crate::report::Report;
+use crate::route::{Route, Spot, crossing_position, crossing_spot};
+use crate::unfold::Unfolding;
+use crate::vertex_pass::{ANGLE_SLACK, Run, angle_between, measure_sides, other_side_word};
+
+/// The joint relaxation of a new fan is finer than the line's threshold, so that the comparison is not decided by it.
+const FAN_THRESHOLD: f64 = 1e-6;
+
+/// Moves that the joint relaxation of a new fan may take for each of its vertices.
+const FAN_MOVES: u64 = 200;
+
+/// A pass must lower the measure by more than this share: less is rounding and could go back and forth.
+const GAIN: f64 = 1e-9;
+
+/// Work space; kept for its memory.
+#[derive(Debug, Default)]
+pub struct PassWork {
+    unfolding: Unfolding,
+    funnel: Funnel,
+}
+
+/// Tries every mesh vertex that the line runs through between its pins; returns how many were passed.
+pub fn pass_vertices(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    filter: &impl SlidingFilter,
+    threshold: f64,
+    report: &mut Report,
+    work: &mut PassWork,
+) -> u64 {
+    let mut passes = 0;
+    for leg in 0..route.legs.len() {
+        if route.pins.is_empty() {
+            begin_between_vertices(mesh, route);
+        }
+        let mut from = 0;
+        while let Some((vertex, letters)) = next_run(mesh, route, leg, from) {
+            from = letters.end;
+            if let Some(new_end) = try_pass(mesh, route, leg, vertex, letters, filter, threshold, report, work) {
+                passes += 1;
+                from = new_end;
+            }
+        }
+        if route.pins.is_empty() {
+            cancel_seam(mesh, route);
+        }
+    }
+    report.vertex_passes += passes;
+    passes
+}
+
+/// Turns a closed word so that no run goes across its seam.
+fn begin_between_vertices(mesh: &SurfaceMesh, route: &mut Route) {
+    let leg = &mut route.legs[0];
+    let spot = |i: usize| crossing_spot(mesh, leg.word[i], leg.parameters[i]);
+    let count = leg.word.len();
+    let start = (0..count).find(|&i| {
+        let (a, b) = (spot((i + count - 1) % count), spot(i));
+        a != b || !matches!(b, Spot::Vertex(_))
+    });
+    if let Some(start) = start {
+        leg.word.rotate_left(start);
+        leg.parameters.rotate_left(start);
+        leg.first = leg.word[0].triangle();
+    }
+}
+
+/// Cancels backtracks across the seam of a closed word.
+fn cancel_seam(mesh: &SurfaceMesh, route: &mut Route) {
+    let leg = &mut route.legs[0];
+    while leg.word.len() >= 2 && mesh.twin(leg.word[leg.word.len() - 1]) == Some(leg.word[0]) {
+        leg.word.pop();
+        leg.parameters.pop();
+        leg.word.remove(0);
+        leg.parameters.remove(0);
+    }
+    if let Some(&letter) = leg.word.first() {
+        leg.first = letter.triangle();
+    }
+}
+
+/// The next mesh vertex on a leg from letter `from` on, and the letters that cross it.
+fn next_run(mesh: &SurfaceMesh, route: &Route, leg: usize, from: usize) -> Option<(VertexId, Range<usize>)> {
+    let leg = &route.legs[leg];
+    let spot = |i: usize| crossing_spot(mesh, leg.word[i], leg.parameters[i]);
+    let first = (from..leg.word.len()).find(|&i| matches!(spot(i), Spot::Vertex(_)))?;
+    let here = spot(first);
+    let Spot::Vertex(vertex) = here else { return None };
+    let end = (first + 1..leg.word.len()).find(|&i| spot(i) != here).unwrap_or(leg.word.len());
+    Some((vertex, first..end))
+}
+
+/// Passes one vertex if the filter's measure falls; returns the end of the new letters in the leg's word.
+#[expect(clippy::too_many_arguments, reason = "all of them are the state of one round")]
+fn try_pass(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    leg: usize,
+    vertex: VertexId,
+    letters: Range<usize>,
+    filter: &impl SlidingFilter,
+    threshold: f64,
+    report: &mut Report,
+    work: &mut PassWork,
+) -> Option<usize> {
+    if !mesh.is_passable(vertex) {
+        return None;
+    }
+    let word = &route.legs[leg].word;
+    let centre = mesh.position(vertex);
+    let (&before, &after) = (
+        neighbours(mesh, route, leg, letters.start, false, 1).first()?,
+        neighbours(mesh, route, leg, letters.end, true, 1).first()?,
+    );
+    let far = |spoke: HalfedgeId| {
+        let [a, b] = mesh.ends(spoke);
+        mesh.position(if a == vertex { b } else { a }) - centre
+    };
+    let (first, last) = (word[letters.start], word[letters.end - 1]);
+    let run = Run {
+        vertex,
+        first,
+        last,
+        angle_in: angle_between(far(first), before - centre),
+        angle_out: angle_between(far(last), after - centre),
+    };
+    if measure_sides(mesh, &run).other >= PI - ANGLE_SLACK {
+        return None;
+    }
+    let (window, fan) = reduced(mesh, word, letters, other_side_word(mesh, &run));
+    let reach = filter.reach();
+    let (before, after) = (
+        neighbours(mesh, route, leg, window.start, false, reach),
+        neighbours(mesh, route, leg, window.end, true, reach),
+    );
+    let (&start, &end) = (before.first()?, after.first()?);
+    let mut parameters = Vec::with_capacity(fan.len());
+    report.funnels += 1;
+    shortest_crossings(mesh, start, &fan, end, &mut work.unfolding, &mut work.funnel, &mut parameters);
+    let mut beads = Beads::default();
+    before.iter().rev().for_each(|&p| beads.push_fixed(p));
+    for (&letter, &t) in fan.iter().zip(&parameters) {
+        let [low, high] = mesh.sorted_ends(letter).map(|v| mesh.position(v));
+        beads.push(Edge { low, high }, t);
+    }
+    after.iter().for_each(|&p| beads.push_fixed(p));
+    let moves = FAN_MOVES * (fan.len() as u64 + 1);
+    let outcome = relax_by_heap(&mut beads, filter, threshold.min(FAN_THRESHOLD), moves, || ControlFlow::Continue(()));
+    report.moves += outcome.moves;
+    let old_leg = &route.legs[leg];
+    let crossings = window.clone().map(|i| crossing_position(mesh, old_leg.word[i], old_leg.parameters[i]));
+    let old: Vec<DVec3> = before.iter().rev().copied().chain(crossings).chain(after.iter().copied()).collect();
+    let (was, is) = (filter.measure(&old), filter.measure(&beads.positions));
+    // Written so that a measure that is not a number is refused.
+    let is_better = is < was * (1.0 - GAIN);
+    if !is_better {
+        return None;
+    }
+    parameters.copy_from_slice(&beads.parameters[before.len()..before.len() + fan.len()]);
+    let new_end = window.start + fan.len();
+    let leg = &mut route.legs[leg];
+    leg.word.splice(window.clone(), fan);
+    leg.parameters.splice(window, parameters);
+    Some(new_end)
+}
+
+/// The letters to replace and the letters to put there, after backtracks at both seams have cancelled.
+fn reduced(
+    mesh: &SurfaceMesh,
+    word: &[HalfedgeId],
+    letters: Range<usize>,
+    mut fan: Vec<HalfedgeId>,
+) -> (Range<usize>, Vec<HalfedgeId>) {
+    let Range { mut start, mut end } = letters;
+    let cancels = |a: HalfedgeId, b: HalfedgeId| mesh.twin(a) == Some(b);
+    loop {
+        if start > 0 && fan.first().is_some_and(|&h| cancels(word[start - 1], h)) {
+            start -= 1;
+            fan.remove(0);
+        } else if end < word.len() && fan.last().is_some_and(|&h| cancels(h, word[end])) {
+            end += 1;
+            fan.pop();
+        } else if fan.is_empty() && start > 0 && end < word.len() && cancels(word[start - 1], word[end]) {
+            start -= 1;
+            end += 1;
+        } else {
+            return (start..end, fan);
+        }
+    }
+}
+
+/// Up to `reach` places of the line before letter `letter` of a leg (or from it on, `forward`), nearest first, across
+/// pins; points in one place count as one.
+fn neighbours(mesh: &SurfaceMesh, route: &Route, leg: usize, letter: usize, forward: bool, reach: usize) -> Side {
+    let mut side = Side::new();
+    let legs = route.legs.len();
+    let (mut leg, mut letter) = (leg, letter);
+    let put = |p: DVec3, side: &mut Side| {
+        if side.last() != Some(&p) {
+            side.push(p);
+        }
+    };
+    // A line of few crossings may be walked round once; its own letters are then neighbours of each other.
+    let mut left = 2 + route.legs.iter().map(|l| l.word.len() + 1).sum::<usize>();
+    while side.len() < reach && left > 0 {
+        left -= 1;
+        let here = &route.legs[leg];
+        let next = if forward { (letter < here.word.len()).then_some(letter) } else { letter.checked_sub(1) };
+        match next {
+            Some(i) => {
+                put(crossing_position(mesh, here.word[i], here.parameters[i]), &mut side);
+                letter = if forward { i + 1 } else { i };
+            }
+            None => {
+                let pin = if forward { route.end_pin(leg) } else { route.start_pin(leg) };
+                if let Some(pin) = pin {
+                    put(mesh.position_of(pin), &mut side);
+                }
+                let is_end = !route.closed && if forward { leg + 1 == legs } else { leg == 0 };
+                if is_end {
+                    break;
+                }
+                leg = if forward { (leg + 1) % legs } else { (leg + legs - 1) % legs };
+                letter = if forward { 0 } else { route.legs[leg].word.len() };
+            }
+        }
+    }
+    side
+}

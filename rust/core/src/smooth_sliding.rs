@@ -1,0 +1,156 @@
+//! The paper's filters on a whole line: step C by sliding vertices, step D where they meet mesh vertices, and again.
+//!
+//! Holds the rounds, limits and stop reasons. How one vertex is passed is in `sliding_pass`.
+
+use std::collections::HashSet;
+use std::ops::ControlFlow;
+
+use crate::error::{Error, Result};
+use crate::filter::SlidingFilter;
+use crate::ids::HalfedgeId;
+use crate::mesh::SurfaceMesh;
+use crate::options::{Options, PAPER_MAX_ITERATIONS};
+use crate::relax::beads::Beads;
+use crate::relax::heap::relax_by_heap;
+use crate::report::{Observer, Report, Step, StopReason};
+use crate::route::{Leg, Route, Spot, spot_of};
+use crate::sliding_pass::{PassWork, pass_vertices};
+use crate::smooth::go_on;
+use crate::smooth_geodesic::points_of;
+use crate::strip::entered_triangle;
+use crate::surface_point::SurfacePoint;
+
+/// Moves that one line may take in all rounds. Coordinate descent needs about 3 n^2 moves for n crossings at fine
+/// thresholds (measured: 22 000 for 83 crossings, 4 million for 1 500); twice that, and a floor for short lines.
+fn move_limit(crossings: usize) -> u64 {
+    let n = crossings as u64;
+    20_000 + n * (2_000).max(6 * n)
+}
+
+/// Smooths `route` by a filter of the paper's kind.
+///
+/// # Errors
+/// [`Error::Collapsed`], [`Error::Interrupted`].
+pub fn smooth_sliding(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    filter: &impl SlidingFilter,
+    options: &Options,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<()> {
+    let limit = options.max_iterations.unwrap_or(PAPER_MAX_ITERATIONS);
+    let crossings: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
+    let most_moves = move_limit(crossings);
+    let mut seen: HashSet<Vec<HalfedgeId>> = HashSet::new();
+    let mut work = PassWork::default();
+    seen.insert(state_of(route));
+    loop {
+        trim_legs(mesh, route);
+        go_on(observer, Step::Relax)?;
+        let mut beads = Beads::of_route(mesh, route);
+        let mut is_stopped = false;
+        let outcome =
+            relax_by_heap(&mut beads, filter, options.threshold, most_moves.saturating_sub(report.moves), || {
+                let flow = observer.step(Step::Relax);
+                is_stopped = flow == ControlFlow::Break(());
+                flow
+            });
+        if is_stopped {
+            return Err(Error::Interrupted);
+        }
+        beads.write_to(route);
+        route.legs.iter_mut().for_each(|leg| leg.snap_to_vertices(mesh));
+        report.moves += outcome.moves;
+        report.iterations += 1;
+        if options.stages {
+            report.stages.extend(points_of(mesh, route));
+        }
+        if !outcome.is_settled {
+            report.stop_reason = StopReason::MaxIterations;
+            return Ok(());
+        }
+        if !touches_vertices(route) {
+            report.stop_reason = StopReason::Converged;
+            return Ok(());
+        }
+        refuse_collapsed(mesh, route, report.iterations)?;
+        if report.iterations >= limit {
+            report.stop_reason = StopReason::MaxIterations;
+            return Ok(());
+        }
+        go_on(observer, Step::VertexPass)?;
+        let passes = pass_vertices(mesh, route, filter, options.threshold, report, &mut work);
+        if passes == 0 {
+            report.stop_reason = StopReason::ConvergedAtVertices;
+            return Ok(());
+        }
+        refuse_collapsed(mesh, route, report.iterations)?;
+        if !seen.insert(state_of(route)) {
+            report.stop_reason = StopReason::Cycle;
+            return Ok(());
+        }
+    }
+}
+
+fn touches_vertices(route: &Route) -> bool {
+    route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0)
+}
+
+/// The strip of a route in a form that is equal for equal strips.
+fn state_of(route: &Route) -> Vec<HalfedgeId> {
+    let mut words: Vec<HalfedgeId> = Vec::new();
+    for leg in &route.legs {
+        words.extend_from_slice(&leg.word);
+        words.push(HalfedgeId(u32::MAX));
+    }
+    if route.pins.is_empty() {
+        // A closed line without pins has no first letter: begin with the lowest.
+        words.pop();
+        let lowest = words.iter().enumerate().min_by_key(|&(_, &h)| h).map_or(0, |(i, _)| i);
+        words.rotate_left(lowest);
+    }
+    words
+}
+
+/// A closed line whose strip is gone, or turns round a single vertex, has shrunk to a point.
+fn refuse_collapsed(mesh: &SurfaceMesh, route: &Route, iterations: u32) -> Result<()> {
+    if !route.pins.is_empty() {
+        return Ok(());
+    }
+    let word = &route.legs[0].word;
+    let is_point = word
+        .first()
+        .is_none_or(|&first| mesh.ends(first).into_iter().any(|v| word.iter().all(|&h| mesh.touches(h, v))));
+    if is_point { Err(Error::Collapsed { iterations }) } else { Ok(()) }
+}
+
+/// Drops letters next to a pin that lie on its own edge or touch its own vertex: the line may leave a pin by any triangle
+/// that holds it.
+pub fn trim_legs(mesh: &SurfaceMesh, route: &mut Route) {
+    for i in 0..route.legs.len() {
+        let (start, end) = (route.start_pin(i).copied(), route.end_pin(i).copied());
+        if let (Some(start), Some(end)) = (start, end) {
+            trim_leg(mesh, &mut route.legs[i], &start, &end);
+        }
+    }
+}
+
+fn trim_leg(mesh: &SurfaceMesh, leg: &mut Leg, start: &SurfacePoint, end: &SurfacePoint) {
+    let is_at = |spot: Spot, letter: HalfedgeId| match spot {
+        Spot::Vertex(v) => mesh.touches(letter, v),
+        Spot::Edge(edge, _) => letter == edge || mesh.twin(letter) == Some(edge),
+        Spot::Inside(_) => false,
+    };
+    let (start, end) = (spot_of(mesh, start), spot_of(mesh, end));
+    let at_start = leg.word.iter().take_while(|&&h| is_at(start, h)).count();
+    if at_start > 0 {
+        leg.first = entered_triangle(mesh, leg.word[at_start - 1]);
+        leg.word.drain(..at_start);
+        leg.parameters.drain(..at_start);
+    }
+    let at_end = leg.word.iter().rev().take_while(|&&h| is_at(end, h)).count();
+    let kept = leg.word.len() - at_end;
+    leg.word.truncate(kept);
+    leg.parameters.truncate(kept);
+}
