@@ -4,8 +4,9 @@
 Knows neither the library nor the picks. Creates everything or nothing.
 """
 
-import bpy
 import numpy as np
+
+import bpy
 
 # Radius of the tube as a part of the mesh's bounding-box diagonal: seen at a glance, thin beside most faces.
 AUTOMATIC_BEVEL_PART = 0.004

@@ -9,8 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
+
+import bpy
 
 from .errors import ObjectError
 

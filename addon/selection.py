@@ -4,8 +4,9 @@
 A selection without an order is refused, never guessed at. Reads only; knows no lines.
 """
 
-import bmesh
 import bpy
+
+import bmesh
 
 from .errors import SelectionError
 

@@ -18,12 +18,51 @@ DEFAULT_NAME = "Smooth Polyline"
 
 
 @dataclass(frozen=True)
+class ComputedPolyline:
+    """A finished line that is not yet in the scene."""
+
+    line: Any  # the library's polyline, in world space, with its report
+    picks: list[Any]
+    arrays: mesh_read.MeshArrays
+
+
+@dataclass(frozen=True)
 class AddedPolyline:
     """What `add_polyline` made."""
 
     curve_object: bpy.types.Object
     line: Any  # the library's polyline, in world space, with its report
     picks: list[Any]
+
+
+def compute_polyline(
+    context: bpy.types.Context,
+    mesh_object: bpy.types.Object,
+    picks: Sequence[Any] | None = None,
+    *,
+    with_normals: bool = False,
+    detail_size: float | None = None,
+    **line_options: Any,
+) -> ComputedPolyline:
+    """Make a smooth line on `mesh_object` as it is now, and change nothing in the file.
+
+    picks : polygon ids in order; None: the faces picked in Edit Mode
+    with_normals : read the mesh's normals too, for an offset
+    detail_size : of the filter "fair", a length in the object's units
+    line_options : what the library's `SurfaceMesh.polyline` takes: closed, filter, pinned, solver, threshold, ...
+
+    Raises AddonError, or the library's `smooth_polylines.Error`.
+    """
+    check_object(mesh_object)
+    library = native.load_library()
+    ordered_picks = selection.read_picks(mesh_object) if picks is None else list(picks)
+    # A script may have moved the object a line ago.
+    context.view_layer.update()
+    arrays = mesh_read.read_mesh(mesh_object, with_normals=with_normals)
+    surface = library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces)
+    if detail_size is not None:
+        line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(arrays.world_matrix)
+    return ComputedPolyline(surface.polyline(ordered_picks, **line_options), ordered_picks, arrays)
 
 
 def add_polyline(
@@ -34,7 +73,6 @@ def add_polyline(
     bevel: float | None = None,
     offset: float = 0.0,
     name: str = DEFAULT_NAME,
-    detail_size: float | None = None,
     **line_options: Any,
 ) -> AddedPolyline:
     """Make a smooth line on `mesh_object` and add it to the scene as a curve object.
@@ -43,23 +81,12 @@ def add_polyline(
     bevel : radius of the tube in the object's units; None: chosen from the size of the mesh
     offset : distance from the surface along its normal, in the object's units; 0: on the surface
     name : of the new object
-    detail_size : of the filter "fair", a length in the object's units
-    line_options : what the library's `SurfaceMesh.polyline` takes: closed, filter, pinned, solver, threshold, ...
+    line_options : as for `compute_polyline`: closed, filter, pinned, threshold, detail_size, ...
 
     Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
     """
-    check_object(mesh_object)
-    library = native.load_library()
-    ordered_picks = selection.read_picks(mesh_object) if picks is None else list(picks)
-    # A script may have moved the object a line ago.
-    context.view_layer.update()
-    arrays = mesh_read.read_mesh(mesh_object, with_normals=offset != 0.0)
-
-    surface = library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces)
-    if detail_size is not None:
-        line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(arrays.world_matrix)
-    line = surface.polyline(ordered_picks, **line_options)
-
+    computed = compute_polyline(context, mesh_object, picks, with_normals=offset != 0.0, **line_options)
+    line, arrays = computed.line, computed.arrays
     # The same triangles and weights on the unmoved vertices: no inverse of the world matrix, no rounding by one.
     local_points = line.on(arrays.local_positions)
     if offset != 0.0:
@@ -79,7 +106,7 @@ def add_polyline(
         bevel=curve_write.choose_bevel(arrays.local_positions) if bevel is None else bevel,
         name=name,
     )
-    return AddedPolyline(curve_object, line, ordered_picks)
+    return AddedPolyline(curve_object, line, computed.picks)
 
 
 def check_object(mesh_object: bpy.types.Object) -> None:

@@ -3,9 +3,11 @@
 Holds no assertions and no fixtures.
 """
 
-import bmesh
-import bpy
 import numpy as np
+
+import bpy
+
+import bmesh
 
 # Faces of Suzanne: ear, brow, brow, the other ear, far apart.
 SUZANNE_PICKS = [377, 253, 252, 376]

@@ -21,10 +21,9 @@ LOCAL_EXTENSIONS = PROFILE / "extensions" / "user_default"
 LOCAL_EXTENSIONS.mkdir(parents=True)
 (LOCAL_EXTENSIONS / "smooth_polylines").symlink_to(REPOSITORY / "addon")
 
-# isort: off
 import bpy  # noqa: E402
+
 import addon_utils  # noqa: E402  (lies inside bpy)
-# isort: on
 
 exit_status = 0
 

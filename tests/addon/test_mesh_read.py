@@ -1,9 +1,11 @@
 """What is read of a mesh against slow Python loops: in and out of Edit Mode, n-gons, hidden faces, shape keys."""
 
-import bmesh
-import bpy
 import numpy as np
 import pytest
+
+import bpy
+
+import bmesh
 
 from blender_scenes import add_grid, add_mesh_object, count_data, enter_edit_mode, read_mesh_slowly
 

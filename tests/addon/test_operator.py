@@ -1,8 +1,9 @@
 """The operator on Suzanne: what it makes is what the library makes from the same arrays, and lies on the mesh."""
 
-import bpy
 import numpy as np
 import pytest
+
+import bpy
 
 import smooth_polylines as sp
 from blender_scenes import (

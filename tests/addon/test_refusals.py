@@ -1,9 +1,11 @@
 """Wrong inputs: the message says what and what to do, and the scene is as it was. Also quads, n-gons and walls."""
 
-import bmesh
-import bpy
 import numpy as np
 import pytest
+
+import bpy
+
+import bmesh
 
 import smooth_polylines as sp
 from blender_scenes import (

@@ -3,13 +3,13 @@
 import importlib
 import sys
 
-import bpy
 import pytest
 
-from blender_scenes import SUZANNE_PICKS, count_data, pick_faces
+import bpy
 
-# isort: split
-import addon_utils  # lies inside bpy
+import addon_utils
+
+from blender_scenes import SUZANNE_PICKS, count_data, pick_faces
 
 MENUS = ("VIEW3D_MT_edit_mesh_faces", "VIEW3D_MT_edit_mesh_context_menu")
 EXTENSION = "bl_ext.user_default.smooth_polylines"

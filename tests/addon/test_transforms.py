@@ -1,8 +1,9 @@
 """Scaled, rotated and sheared objects: smoothing happens in the world, the result is stored in the object's space."""
 
-import bpy
 import numpy as np
 import pytest
+
+import bpy
 
 import smooth_polylines as sp
 from blender_scenes import (

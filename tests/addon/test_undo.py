@@ -1,9 +1,11 @@
 """One Undo takes the curve back, Redo brings it again; a refusal leaves no step behind."""
 
-import bmesh
-import bpy
 import numpy as np
 import pytest
+
+import bpy
+
+import bmesh
 
 from blender_scenes import SUZANNE_PICKS, add_grid, enter_edit_mode, get_curves, get_spline_points, pick_faces
 
