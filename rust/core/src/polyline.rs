@@ -101,7 +101,8 @@ impl Polyline {
 
 /// Length of a chain of points.
 pub fn length_of(points: &[DVec3], closed: bool) -> f64 {
-    let open: f64 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
+    // Folded from 0, as the sum of nothing is -0 in Rust.
+    let open = points.windows(2).fold(0.0, |sum, p| sum + p[0].distance(p[1]));
     match (closed, points.first(), points.last()) {
         (true, Some(first), Some(last)) => open + last.distance(*first),
         _ => open,

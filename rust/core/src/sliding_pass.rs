@@ -1,8 +1,10 @@
 //! Step D for the paper's filters: pass a mesh vertex only if the filter itself finds the other side better.
 //!
 //! The paper swaps every fan that the line has merged with, which cycles at saddles and gets stuck where several vertices
-//! of the line have merged. Here the vertices on the other side are placed together, where the straight line of the
-//! unfolded fan crosses the spokes, relaxed together with the filter, and kept only if the filter's measure fell.
+//! of the line have merged: each one's neighbours are at the mesh vertex too, so none has a reason to move. Here the
+//! vertices of a side that is open to the line are placed together, where the straight line of the unfolded fan crosses
+//! the spokes, relaxed together with the filter, and kept only if the filter's measure fell. The side may be the strip's
+//! own: then merged vertices are freed.
 
 use std::f64::consts::PI;
 use std::ops::{ControlFlow, Range};
@@ -36,7 +38,7 @@ pub struct PassWork {
     funnel: Funnel,
 }
 
-/// Tries every mesh vertex that the line runs through between its pins; returns how many were passed.
+/// Tries every mesh vertex that the line runs through between its pins; returns at how many the line changed.
 pub fn pass_vertices(
     mesh: &SurfaceMesh,
     route: &mut Route,
@@ -45,7 +47,7 @@ pub fn pass_vertices(
     report: &mut Report,
     work: &mut PassWork,
 ) -> u64 {
-    let mut passes = 0;
+    let mut changes = 0;
     for leg in 0..route.legs.len() {
         if route.pins.is_empty() {
             begin_between_vertices(mesh, route);
@@ -54,7 +56,7 @@ pub fn pass_vertices(
         while let Some((vertex, letters)) = next_run(mesh, route, leg, from) {
             from = letters.end;
             if let Some(new_end) = try_pass(mesh, route, leg, vertex, letters, filter, threshold, report, work) {
-                passes += 1;
+                changes += 1;
                 from = new_end;
             }
         }
@@ -62,8 +64,7 @@ pub fn pass_vertices(
             cancel_seam(mesh, route);
         }
     }
-    report.vertex_passes += passes;
-    passes
+    changes
 }
 
 /// Turns a closed word so that no run goes across its seam.
@@ -141,15 +142,39 @@ fn try_pass(
         angle_in: angle_between(far(first), before - centre),
         angle_out: angle_between(far(last), after - centre),
     };
-    if measure_sides(mesh, &run).other >= PI - ANGLE_SLACK {
-        return None;
+    let sides = measure_sides(mesh, &run);
+    let own = (sides.own, route.legs[leg].word[letters.clone()].to_vec(), 0);
+    let other = (sides.other, if sides.other < PI { other_side_word(mesh, &run) } else { Vec::new() }, 1);
+    let both = if sides.own <= sides.other { [own, other] } else { [other, own] };
+    for (angle, fan, passes) in both {
+        if angle >= PI - ANGLE_SLACK {
+            break;
+        }
+        if let Some(end) = try_fan(mesh, route, leg, letters.clone(), fan, filter, threshold, report, work) {
+            report.vertex_passes += passes;
+            return Some(end);
+        }
     }
-    let (window, fan) = reduced(mesh, word, letters, other_side_word(mesh, &run));
+    None
+}
+
+/// Puts the letters of a fan in the place of a run, if the filter's measure falls; returns the end of the new letters.
+#[expect(clippy::too_many_arguments, reason = "all of them are the state of one round")]
+fn try_fan(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    leg: usize,
+    letters: Range<usize>,
+    fan: Vec<HalfedgeId>,
+    filter: &impl SlidingFilter,
+    threshold: f64,
+    report: &mut Report,
+    work: &mut PassWork,
+) -> Option<usize> {
+    let (window, fan) = reduced(mesh, &route.legs[leg].word, letters, fan);
     let reach = filter.reach();
-    let (before, after) = (
-        neighbours(mesh, route, leg, window.start, false, reach),
-        neighbours(mesh, route, leg, window.end, true, reach),
-    );
+    let before = neighbours(mesh, route, leg, window.start, false, reach);
+    let after = neighbours(mesh, route, leg, window.end, true, reach);
     let (&start, &end) = (before.first()?, after.first()?);
     let mut parameters = Vec::with_capacity(fan.len());
     report.funnels += 1;
@@ -207,16 +232,11 @@ fn reduced(
 }
 
 /// Up to `reach` places of the line before letter `letter` of a leg (or from it on, `forward`), nearest first, across
-/// pins; points in one place count as one.
+/// pins.
 fn neighbours(mesh: &SurfaceMesh, route: &Route, leg: usize, letter: usize, forward: bool, reach: usize) -> Side {
     let mut side = Side::new();
     let legs = route.legs.len();
     let (mut leg, mut letter) = (leg, letter);
-    let put = |p: DVec3, side: &mut Side| {
-        if side.last() != Some(&p) {
-            side.push(p);
-        }
-    };
     // A line of few crossings may be walked round once; its own letters are then neighbours of each other.
     let mut left = 2 + route.legs.iter().map(|l| l.word.len() + 1).sum::<usize>();
     while side.len() < reach && left > 0 {
@@ -225,14 +245,12 @@ fn neighbours(mesh: &SurfaceMesh, route: &Route, leg: usize, letter: usize, forw
         let next = if forward { (letter < here.word.len()).then_some(letter) } else { letter.checked_sub(1) };
         match next {
             Some(i) => {
-                put(crossing_position(mesh, here.word[i], here.parameters[i]), &mut side);
+                side.push(crossing_position(mesh, here.word[i], here.parameters[i]));
                 letter = if forward { i + 1 } else { i };
             }
             None => {
                 let pin = if forward { route.end_pin(leg) } else { route.start_pin(leg) };
-                if let Some(pin) = pin {
-                    put(mesh.position_of(pin), &mut side);
-                }
+                side.extend(pin.map(|pin| mesh.position_of(pin)));
                 let is_end = !route.closed && if forward { leg + 1 == legs } else { leg == 0 };
                 if is_end {
                     break;

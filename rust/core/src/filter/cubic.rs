@@ -27,8 +27,8 @@ const STEPS: u32 = 8;
 /// Newton steps on the curve's parameter; convergence is quadratic, bisection guards it.
 const NEWTON_STEPS: u32 = 30;
 
-/// Newton ends when the parameter moves by less than this, on a range of 2.
-const PARAMETER_STEP: f64 = 1e-14;
+/// Newton ends when the parameter moves by less than this, on a range of 2: the step after it would be its square.
+const PARAMETER_STEP: f64 = 1e-9;
 
 impl SlidingFilter for Cubic {
     fn reach(&self) -> usize {

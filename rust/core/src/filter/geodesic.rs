@@ -309,7 +309,7 @@ pub fn cross_straight(mesh: &SurfaceMesh, unfolding: &Unfolding, letters: &[Half
 
 /// A run of letters round one vertex without its full turns; `None` when it has none.
 pub fn unwind(mesh: &SurfaceMesh, letters: &[HalfedgeId]) -> Option<Vec<HalfedgeId>> {
-    let before = letters[0].triangle();
+    let before = letters.first()?.triangle();
     let last_return = letters.iter().rposition(|&h| crate::strip::entered_triangle(mesh, h) == before)?;
     Some(letters[last_return + 1..].to_vec())
 }

@@ -30,7 +30,7 @@ impl Edge {
 /// Most neighbours a side that a filter looks at.
 pub const MAX_REACH: usize = 2;
 
-/// Neighbours of a vertex on one side, nearest first; coincident ones count as one.
+/// Neighbours of a vertex on one side, nearest first.
 pub type Side = arrayvec::ArrayVec<DVec3, MAX_REACH>;
 
 /// A filter of the paper's kind.

@@ -1,6 +1,6 @@
 //! The vertices of a line as step C sees them: points that slide on their mesh edges, and fixed points between them.
 //!
-//! Holds what the heap and Newton share: positions and the rule that coincident neighbours count as one.
+//! Holds what the heap and Newton share: edges, parameters, positions, and who is whose neighbour.
 
 use glam::DVec3;
 
@@ -91,22 +91,15 @@ impl Beads {
         }
     }
 
-    /// Up to `reach` neighbours on one side, nearest first; vertices in one place count as one.
+    /// Up to `reach` neighbours on one side, nearest first.
     #[inline]
     pub fn neighbours(&self, i: usize, forward: bool, reach: usize) -> Side {
         let mut side = Side::new();
-        let mut here = self.positions[i];
         let mut at = i;
         while side.len() < reach {
-            let Some(next) = self.step(at, forward) else { break };
-            if next == i {
-                break;
-            }
+            let Some(next) = self.step(at, forward).filter(|&next| next != i) else { break };
             at = next;
-            if self.positions[at] != here {
-                here = self.positions[at];
-                side.push(here);
-            }
+            side.push(self.positions[at]);
         }
         side
     }

@@ -46,7 +46,12 @@ pub fn relax_by_heap(
         beads.positions[i] = beads.edges[i].at(targets[i]);
         judge(beads, filter, i, threshold, &mut targets, &mut heap);
         for forward in [false, true] {
-            judge_side(beads, filter, i, forward, threshold, &mut targets, &mut heap);
+            let mut at = i;
+            for _ in 0..filter.reach() {
+                let Some(next) = beads.step(at, forward).filter(|&next| next != i) else { break };
+                at = next;
+                judge(beads, filter, at, threshold, &mut targets, &mut heap);
+            }
         }
     }
     HeapOutcome { moves, is_settled: true }
@@ -70,32 +75,6 @@ fn judge(
     targets[i] = filter.target(&beads.edges[i], &before, &after, t);
     let error = (targets[i] - t).abs();
     heap.set(i, if error > threshold { error } else { 0.0 });
-}
-
-/// Judges the vertices on one side of `i` that look at it: those in `i`'s own place and in the `reach` places next to it.
-fn judge_side(
-    beads: &Beads,
-    filter: &impl SlidingFilter,
-    i: usize,
-    forward: bool,
-    threshold: f64,
-    targets: &mut [f64],
-    heap: &mut ErrorHeap,
-) {
-    let mut here = beads.positions[i];
-    let mut places = 0;
-    let mut at = i;
-    while let Some(next) = beads.step(at, forward).filter(|&next| next != i) {
-        at = next;
-        if beads.positions[at] != here {
-            here = beads.positions[at];
-            places += 1;
-            if places > filter.reach() {
-                return;
-            }
-        }
-        judge(beads, filter, at, threshold, targets, heap);
-    }
 }
 
 /// A binary heap of vertices by error, largest first, that knows the place of each; vertices without error are not in it.
