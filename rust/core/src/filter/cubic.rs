@@ -120,42 +120,75 @@ impl Curve {
         Self { coefficients }
     }
 
-    fn at(&self, u: f64) -> DVec3 {
-        let [a, b, c, d] = self.coefficients;
-        a + u * (b + u * (c + u * d))
+}
+
+/// The squared distance between a point of a curve and a point of the edge from the origin to `e`, as polynomials of the
+/// curve's parameter u: a few multiplications where vectors would take dozens. The filter asks millions of times.
+struct Distance {
+    /// |curve(u)|^2, degree 6.
+    square: [f64; 7],
+    /// curve(u) . e, degree 3.
+    along: [f64; 4],
+    /// |e|^2.
+    edge: f64,
+}
+
+impl Distance {
+    fn new(curve: &Curve, e: DVec3) -> Self {
+        let c = &curve.coefficients;
+        let mut square = [0.0; 7];
+        for i in 0..4 {
+            for j in 0..4 {
+                square[i + j] += c[i].dot(c[j]);
+            }
+        }
+        Self { square, along: c.map(|k| k.dot(e)), edge: e.length_squared() }
     }
 
-    fn slope(&self, u: f64) -> DVec3 {
-        let [_, b, c, d] = self.coefficients;
-        b + u * (2.0 * c + 3.0 * u * d)
+    /// Parameter on the edge of the point nearest to curve(u), not clamped.
+    #[inline]
+    fn foot(&self, u: f64) -> f64 {
+        let a = &self.along;
+        (a[0] + u * (a[1] + u * (a[2] + u * a[3]))) / self.edge
     }
 
-    fn bend(&self, u: f64) -> DVec3 {
-        let [_, _, c, d] = self.coefficients;
-        2.0 * c + 6.0 * u * d
+    #[inline]
+    fn at(&self, u: f64) -> f64 {
+        let t = self.foot(u).clamp(0.0, 1.0);
+        let square = self.square.iter().rev().fold(0.0, |sum, &c| sum * u + c);
+        square - t * self.edge * (2.0 * self.foot(u) - t)
+    }
+
+    /// First and second derivative by u, with the nearest point of the edge following.
+    #[inline]
+    fn derivatives(&self, u: f64) -> (f64, f64) {
+        let s = &self.square;
+        let first = s[1] + u * (2.0 * s[2] + u * (3.0 * s[3] + u * (4.0 * s[4] + u * (5.0 * s[5] + u * 6.0 * s[6]))));
+        let second = 2.0 * s[2] + u * (6.0 * s[3] + u * (12.0 * s[4] + u * (20.0 * s[5] + u * 30.0 * s[6])));
+        let a = &self.along;
+        let (slope, bend) = (a[1] + u * (2.0 * a[2] + u * 3.0 * a[3]), 2.0 * a[2] + u * 6.0 * a[3]);
+        let raw = self.foot(u);
+        let t = raw.clamp(0.0, 1.0);
+        let follows = if raw > 0.0 && raw < 1.0 { 2.0 * slope * slope / self.edge } else { 0.0 };
+        (first - 2.0 * t * slope, second - 2.0 * t * bend - follows)
     }
 }
 
 /// Parameter on the edge from the origin to `e` of its point nearest to the curve between parameters `from` and `to`;
 /// `None` for an edge of zero length.
 fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<f64> {
-    let square = e.length_squared();
-    if square == 0.0 {
+    let distance = Distance::new(curve, e);
+    if distance.edge == 0.0 {
         return None;
     }
-    let project = |p: DVec3| (p.dot(e) / square).clamp(0.0, 1.0);
-    let distance = |u: f64| {
-        let p = curve.at(u);
-        p.distance_squared(project(p) * e)
-    };
     let step = (to - from) / f64::from(STEPS);
     let place = |k: u32| from + step * f64::from(k);
     // The first of equals, counted from the middle: a curve that lies on the edge leaves the vertex in the middle.
     let middle = STEPS / 2;
-    let mut best = (middle, distance(place(middle)));
+    let mut best = (middle, distance.at(place(middle)));
     for offset in 1..=middle {
         for k in [middle - offset, middle + offset] {
-            let d = distance(place(k));
+            let d = distance.at(place(k));
             if d < best.1 {
                 best = (k, d);
             }
@@ -164,29 +197,17 @@ fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<f64> {
     let (mut low, mut high) = (place(best.0.saturating_sub(1)), place((best.0 + 1).min(STEPS)));
     let mut u = place(best.0);
     for _ in 0..NEWTON_STEPS {
-        let p = curve.at(u);
-        let raw = p.dot(e) / square;
-        let foot = p - raw.clamp(0.0, 1.0) * e;
-        let slope = curve.slope(u);
-        let derivative = foot.dot(slope);
-        if derivative > 0.0 {
-            high = u
-        } else {
-            low = u
-        }
-        // On the open edge the foot moves along with the point: only the slope across the edge counts.
-        let is_on_edge = raw > 0.0 && raw < 1.0;
-        let along = if is_on_edge { slope.dot(e) * slope.dot(e) / square } else { 0.0 };
-        let second = slope.length_squared() - along + foot.dot(curve.bend(u));
-        let newton = u - derivative / second;
-        let next = if second > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let (first, second) = distance.derivatives(u);
+        if first > 0.0 { high = u } else { low = u }
+        let newton = u - first / second;
+        let next = if second > 0.0 && newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
         let moved = (next - u).abs();
         u = next;
         if moved <= PARAMETER_STEP {
             break;
         }
     }
-    Some(project(curve.at(u)))
+    Some(distance.foot(u).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
