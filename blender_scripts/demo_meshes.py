@@ -8,18 +8,24 @@ import bpy
 
 from mathutils import Matrix
 
-PICK_COUNT = 10
+RING_PICK_COUNT = 24
+TOUR_PICK_COUNT = 10
+# How far the ring leans over: a part of the shortest axis added to the longest.
+RING_TILT = 0.45
 
-# Places on Suzanne near which faces are picked, in order: a line from ear to ear, over cheek, brow and forehead.
+# Places on Suzanne near which faces are picked, in order: from an ear under the eye, between the eyes, over the
+# other brow and back across the forehead.
 SUZANNE_PLACES = [
     (-1.15, 0.3, 0.25),
-    (-0.75, -0.3, 0.3),
-    (-0.45, -0.65, 0.65),
-    (0.0, -0.75, 0.5),
-    (0.45, -0.65, 0.65),
-    (0.75, -0.3, 0.3),
-    (1.15, 0.3, 0.25),
+    (-0.7, -0.35, -0.05),
+    (-0.3, -0.65, -0.25),
+    (0.0, -0.75, 0.2),
+    (0.3, -0.75, 0.65),
+    (0.05, -0.45, 0.9),
+    (-0.5, -0.35, 0.8),
 ]
+# Seen from her right: towards the viewer.
+SUZANNE_VIEW = (-0.45, -1.0, 0.22)
 SUZANNE_SUBDIVISIONS = 2
 
 
@@ -62,8 +68,8 @@ def load_mesh(path: Path) -> bpy.types.Object:
         mesh_object = max(meshes, key=lambda o: len(o.data.polygons))
     else:
         raise MeshFileError(f"{path.name}: the demo reads .obj, .ply, .stl and .off files")
-    if len(mesh_object.data.polygons) < PICK_COUNT:
-        raise MeshFileError(f"{path.name} has too few faces to pick {PICK_COUNT} of them")
+    if len(mesh_object.data.polygons) < TOUR_PICK_COUNT:
+        raise MeshFileError(f"{path.name} has too few faces to pick {TOUR_PICK_COUNT} of them")
     mesh_object.name = path.stem
     return mesh_object
 
@@ -131,14 +137,39 @@ def label_parts(count: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
             return labels
 
 
-def choose_round_tour(mesh_object: bpy.types.Object) -> list[int]:
-    """PICK_COUNT faces spread over the largest part, each as far as can be from those before, in a short round."""
+def choose_picks(mesh_object: bpy.types.Object) -> list[int]:
+    """Faces for a closed line on any mesh: a ring round a body, a round tour where there is no round to go."""
     centres, faces = read_main_part(mesh_object)
+    ring = choose_ring(mesh_object, centres, faces)
+    return ring if len(ring) > RING_PICK_COUNT // 2 else choose_tour(centres, faces)
+
+
+def choose_ring(mesh_object: bpy.types.Object, centres: np.ndarray, faces: np.ndarray) -> list[int]:
+    """Faces that rays hit which come from all around, towards the middle, in a plane across the longest axis."""
+    middle = centres[faces].mean(axis=0)
+    # Rows: the axes of the part, the longest first.
+    axes = np.linalg.svd(centres[faces] - middle, full_matrices=False)[2]
+    side, normal = axes[1], axes[0] + RING_TILT * axes[2]
+    across = np.cross(normal / np.linalg.norm(normal), side)
+    reach = np.linalg.norm(centres[faces] - middle, axis=1).max() * 2
+    is_main = np.zeros(len(centres), dtype=bool)
+    is_main[faces] = True
+    ring: list[int] = []
+    for angle in np.arange(RING_PICK_COUNT) * 2 * np.pi / RING_PICK_COUNT:
+        outwards = np.cos(angle) * side + np.sin(angle) * across
+        is_hit, _, _, face = mesh_object.ray_cast(middle + reach * outwards, -outwards)
+        if is_hit and is_main[face] and face not in ring:
+            ring.append(face)
+    return ring
+
+
+def choose_tour(centres: np.ndarray, faces: np.ndarray) -> list[int]:
+    """Faces spread over the part, each as far as can be from those before, in the order of a short round."""
     points = centres[faces]
     middle = points.mean(axis=0)
     picked = [int(np.linalg.norm(points - middle, axis=1).argmax())]
     distances = np.full(len(points), np.inf)
-    while len(picked) < PICK_COUNT:
+    while len(picked) < TOUR_PICK_COUNT:
         distances = np.minimum(distances, np.linalg.norm(points - points[picked[-1]], axis=1))
         picked.append(int(distances.argmax()))
     tour = shorten_tour(points[picked])

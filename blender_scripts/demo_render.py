@@ -14,7 +14,10 @@ from mathutils.bvhtree import BVHTree
 
 # Above this the drawn edges would cover the surface.
 MOST_FACES_WITH_EDGES = 40_000
-SAMPLES = 24
+# All light but the sun's is painted on, so there is nothing to be denoised and samples only smooth the outlines.
+SAMPLES = 8
+# Part of the light that comes from the viewer, where the sun does not reach.
+HEADLIGHT = 0.55
 
 
 def prepare_picture(
@@ -22,34 +25,36 @@ def prepare_picture(
     curve_object: bpy.types.Object,
     start_object: bpy.types.Object,
     picks: list[int],
+    direction: Vector,
 ) -> None:
-    """Materials, marks, light and camera."""
+    """Materials, marks, light and camera; `direction` is from the mesh towards the camera, in the world."""
     scene = bpy.context.scene
     centre, radius = measure_ball(mesh_object)
-    paint(mesh_object, make_material("Surface", (0.62, 0.62, 0.60), draws_edges=True))
+    paint(
+        mesh_object,
+        make_material(
+            "Surface", (0.42, 0.43, 0.44), draws_edges=len(mesh_object.data.polygons) <= MOST_FACES_WITH_EDGES
+        ),
+    )
     paint(curve_object, make_material("Line", (0.80, 0.03, 0.06)))
     paint(start_object, make_material("Start", (0.03, 0.12, 0.55)))
     mark_picks(mesh_object, picks, 0.013 * radius)
 
-    direction = choose_direction(mesh_object, curve_object)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.data.lens = 70
-    camera.location = centre + direction * radius * 4.6
+    camera.location = centre + direction * radius * 3.7
     camera.rotation_euler = direction.to_track_quat("Z", "Y").to_euler()
     camera.data.clip_start, camera.data.clip_end = 0.01 * radius, 20 * radius
     scene.camera = camera
     light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
-    light.data.energy, light.data.angle = 3.0, 0.2
+    light.data.energy, light.data.angle = 2.2, 0.05
     light.rotation_euler = (
         (camera.rotation_euler.to_matrix() @ Vector((-0.5, 0.7, 1.0))).to_track_quat("Z", "Y").to_euler()
     )
     scene.collection.objects.link(camera)
     scene.collection.objects.link(light)
-    world = bpy.data.worlds.new("World")
-    scene.world = world
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.75, 0.80, 0.86, 1)
-    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.7
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0.72, 0.77, 0.83)
     mesh_object.data.polygons.foreach_set("use_smooth", np.ones(len(mesh_object.data.polygons), dtype=bool))
 
 
@@ -66,18 +71,31 @@ def make_material(name: str, colour: tuple[float, float, float], *, draws_edges:
     material.use_nodes = True
     material.diffuse_color = (*colour, 1)
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    shader = nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*colour, 1)
-    shader.inputs["Roughness"].default_value = 0.6
+    colours = nodes.new("ShaderNodeMixRGB")
+    colours.inputs["Fac"].default_value = 0.0
+    colours.inputs["Color1"].default_value = (*colour, 1)
+    colours.inputs["Color2"].default_value = (*(0.5 * c for c in colour), 1)
     if draws_edges:
         wire = nodes.new("ShaderNodeWireframe")
         wire.use_pixel_size = True
-        wire.inputs["Size"].default_value = 0.7
-        mix = nodes.new("ShaderNodeMixRGB")
-        mix.inputs["Color1"].default_value = (*colour, 1)
-        mix.inputs["Color2"].default_value = (*(0.62 * c for c in colour), 1)
-        links.new(wire.outputs["Fac"], mix.inputs["Fac"])
-        links.new(mix.outputs["Color"], shader.inputs["Base Color"])
+        wire.inputs["Size"].default_value = 0.6
+        links.new(wire.outputs["Fac"], colours.inputs["Fac"])
+    # 1 where the surface looks at the viewer, 0 at its outline.
+    facing = nodes.new("ShaderNodeLayerWeight")
+    facing.inputs["Blend"].default_value = 0.5
+    towards_viewer = nodes.new("ShaderNodeMapRange")
+    towards_viewer.inputs["To Min"].default_value = HEADLIGHT
+    towards_viewer.inputs["To Max"].default_value = 0.15
+    links.new(facing.outputs["Facing"], towards_viewer.inputs["Value"])
+    headlight, diffuse, both = (
+        nodes.new(f"Shader{kind}") for kind in ("NodeEmission", "NodeBsdfDiffuse", "NodeAddShader")
+    )
+    links.new(colours.outputs["Color"], headlight.inputs["Color"])
+    links.new(towards_viewer.outputs["Result"], headlight.inputs["Strength"])
+    links.new(colours.outputs["Color"], diffuse.inputs["Color"])
+    links.new(headlight.outputs["Emission"], both.inputs[0])
+    links.new(diffuse.outputs["BSDF"], both.inputs[1])
+    links.new(both.outputs["Shader"], nodes["Material Output"].inputs["Surface"])
     return material
 
 
@@ -109,7 +127,7 @@ def choose_direction(mesh_object: bpy.types.Object, curve_object: bpy.types.Obje
     to_local = mesh_object.matrix_world.inverted().to_3x3()
     _, radius = measure_ball(mesh_object)
     best_count, best = -1, Vector((0, -1, 0))
-    for height in (0.35, 0.15, 0.6, 1.0):
+    for height in (0.15, 0.35, 0.6, 0.9):
         for turn in range(16):
             angle = np.pi * (turn - 4) / 8 + 0.25
             direction = Vector((np.cos(angle), np.sin(angle), height)).normalized()
@@ -127,12 +145,14 @@ def render_picture(path: Path, width: int) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = SAMPLES
-    scene.cycles.use_denoising = True
+    scene.cycles.use_denoising = False
+    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.max_bounces = 0
     scene.cycles.seed = 1
     scene.view_settings.view_transform = "Standard"
     scene.render.resolution_x, scene.render.resolution_y = width, width * 3 // 4
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
-    scene.render.image_settings.compression = 90
+    scene.render.image_settings.compression = 30
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
