@@ -59,7 +59,8 @@ class SurfaceChecker:
         self._check_segments(line, supports)
         self._check_strip(line, supports, pins)
         self._check_pins(line, supports, pins)
-        if step_b is not None:
+        # Two legs that meet in a pin at a sharp angle share triangles with good reason.
+        if step_b is not None and len(pins) <= (0 if line.closed else 2):
             self._check_repeats(line, step_b)
 
     def _check_arrays(self, line):

@@ -1,4 +1,4 @@
-"""The contract of `positions`, `triangles`, `triangle_faces` and `new_positions`: what is taken, how the rest is refused."""
+"""The contract of the input arrays, and of `on`: what is taken, how the rest is refused."""
 
 import numpy as np
 import pytest

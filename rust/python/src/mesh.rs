@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes};
 use smooth_polylines_core::options::DEFAULT_THRESHOLD;
 use smooth_polylines_core::{Filter, Knots, Options, Pinned, Polyline, Solver, SurfaceMesh, smooth};
 
@@ -234,7 +235,11 @@ impl PySurfaceMesh {
     /// >>> bool((mesh.line_from_bytes(line.to_bytes()).points == line.points).all())
     /// True
     fn line_from_bytes(&self, py: Python<'_>, data: &Bound<'_, PyAny>) -> PyResult<PyPolyline> {
-        let Ok(bytes) = data.extract::<Cow<'_, [u8]>>() else {
+        let bytes: Cow<'_, [u8]> = if let Ok(bytes) = data.cast::<PyBytes>() {
+            bytes.as_bytes().into()
+        } else if let Ok(bytes) = data.cast::<PyByteArray>() {
+            bytes.to_vec().into()
+        } else {
             return Err(type_error("data", format_args!("found {}, expected bytes", data.get_type().name()?)));
         };
         let line = run_attached(py, || Polyline::from_bytes(&self.mesh, &bytes))?

@@ -155,7 +155,7 @@ impl PyPolyline {
     /// >>> import numpy as np, smooth_polylines as sp
     /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     /// >>> line = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]]).polyline([0, 1])
-    /// >>> bool((line.on(square + 10) == line.points + 10).all())
+    /// >>> bool((line.on(2 * square) == 2 * line.points).all())
     /// True
     fn on<'py>(&self, py: Python<'py>, new_positions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = read_positions("new_positions", new_positions)?;

@@ -1,0 +1,113 @@
+"""Ctrl-C stops a long run soon, other threads run meanwhile, and the mesh is usable afterwards."""
+
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import pytest
+
+import smooth_polylines as sp
+from native.made_meshes import make_sphere
+
+# Ctrl-C must stop a run within 0.2 s; a machine under load gets some grace.
+STOP_SECONDS = 0.2
+GRACE_SECONDS = 0.8
+
+
+@pytest.fixture(scope="module")
+def slow_call():
+    """A call that takes long enough to be interrupted: all crossings of long lines, one at a time, to the last bit."""
+    mesh = sp.SurfaceMesh(*make_sphere(7))
+    picks = list(range(0, 20 * 4**7, 20 * 4**7 // 60))
+
+    def call():
+        while True:
+            # One line alone may end early; signals are looked at inside of each.
+            mesh.polyline(picks, filter="cubic", threshold=1e-14, pinned="all")
+
+    return mesh, call
+
+
+def test_an_exception_of_a_signal_handler_stops_the_run(slow_call):
+    mesh, call = slow_call
+    before = mesh.polyline([0, 5000], filter="none").to_bytes()
+
+    class StopError(Exception):
+        pass
+
+    raised_at = []
+
+    def handle(signum, frame):
+        raised_at.append(time.perf_counter())
+        raise StopError
+
+    previous = signal.signal(signal.SIGALRM, handle)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        begun = time.perf_counter()
+        with pytest.raises(StopError):
+            call()
+        elapsed = time.perf_counter() - begun
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)
+    assert 0.3 <= elapsed + 0.01
+    assert elapsed < 0.3 + STOP_SECONDS + GRACE_SECONDS
+    assert len(raised_at) == 1
+    assert mesh.polyline([0, 5000], filter="none").to_bytes() == before
+
+
+SCRIPT = """
+    import signal, sys, time, threading, os
+    import numpy as np
+    sys.path.insert(0, sys.argv[1])
+    import smooth_polylines as sp
+    from native.made_meshes import make_sphere
+    mesh = sp.SurfaceMesh(*make_sphere(6))
+    picks = list(range(0, 20 * 4**6, 1365))
+    def interrupt():
+        time.sleep(0.3)
+        print("sent", flush=True)
+        global sent
+        sent = time.perf_counter()
+        os.kill(os.getpid(), signal.SIGINT)
+    threading.Thread(target=interrupt).start()
+    try:
+        while True:
+            mesh.polyline(picks, filter="cubic", threshold=1e-14, pinned="all")
+    except KeyboardInterrupt:
+        print(f"KeyboardInterrupt {time.perf_counter() - sent:.3f}")
+"""
+
+
+def test_ctrl_c_is_a_keyboard_interrupt(request):
+    tests = str(request.config.rootpath / "tests")
+    run = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(SCRIPT), tests], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert run.stdout.startswith("sent\nKeyboardInterrupt "), run.stdout + run.stderr
+    assert float(run.stdout.split()[-1]) < STOP_SECONDS + GRACE_SECONDS
+
+
+def test_other_threads_run_while_rust_works(slow_call):
+    mesh, _ = slow_call
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    clock = threading.Thread(target=tick)
+    clock.start()
+    begun = time.perf_counter()
+    while time.perf_counter() - begun < 0.3:
+        line = mesh.polyline(list(range(0, 20 * 4**7, 4000)), filter="none")
+    done.set()
+    clock.join()
+    assert len(line.points) > 1000
+    # Held through, the interpreter would let the other thread tick a few times at most (its switch interval is 5 ms).
+    assert len(ticks) > 30
