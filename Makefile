@@ -22,7 +22,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup dev demo test test-rust test-native test-addon test-addon-newest test-package \
+.PHONY: help setup dev demo images test test-rust test-native test-addon test-addon-newest test-package \
     fmt lint wheel extension clean
 
 help: ## list the commands
@@ -77,6 +77,11 @@ extension: $(VENV)/.wheel.stamp ## build and validate the Blender extension (zip
 demo: $(VENV)/.wheel.stamp ## a line on Suzanne in real Blender: out/demo.blend, out/demo.png (MESH=path for your own mesh)
 	$(STEP) "Running the demo in Blender"
 	$(BIN)/python blender_scripts/demo.py --output out $(if $(MESH),--mesh "$(MESH)")
+
+images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs again, into docs/images
+	$(STEP) "Making the pictures"
+	$(BIN)/python blender_scripts/demo.py --output out/images --width 960
+	@mkdir -p docs/images && cp out/images/demo.png docs/images/suzanne.png
 
 # --- checking ---------------------------------------------------------------------------------------------
 

@@ -104,7 +104,7 @@ def main() -> None:
         # These picks are hints: what nobody placed with care would only dent the line if it were pinned.
         picks, closed, pinned = demo_meshes.choose_picks(mesh_object), True, "ENDS"
     else:
-        picks, closed, pinned = demo_meshes.choose_suzanne_picks(mesh_object), False, "ALL"
+        picks, closed, pinned = demo_meshes.choose_suzanne_picks(mesh_object), False, "ENDS"
     pick_faces(mesh_object, picks)
 
     properties = {"filter": arguments.filter, "closed": closed, "pinned": pinned}
@@ -120,7 +120,7 @@ def main() -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
 
     arguments.output.mkdir(parents=True, exist_ok=True)
-    print("Rendering ...", flush=True)
+    print("Rendering the picture (some 10 to 30 seconds) ...", flush=True)
     if arguments.mesh:
         direction = demo_render.choose_direction(mesh_object, curve_object)
     else:

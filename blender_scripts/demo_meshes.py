@@ -10,22 +10,24 @@ from mathutils import Matrix
 
 RING_PICK_COUNT = 24
 TOUR_PICK_COUNT = 10
+# Hits further out than this many times the middle one are on an arm or a leg that the ring is not about.
+RING_OUTLIER = 1.5
 # How far the ring leans over: a part of the shortest axis added to the longest.
 RING_TILT = 0.45
 
 # Places on Suzanne near which faces are picked, in order: from an ear under the eye, between the eyes, over the
-# other brow and back across the forehead.
+# other brow and across the forehead.
 SUZANNE_PLACES = [
     (-1.15, 0.3, 0.25),
-    (-0.7, -0.35, -0.05),
-    (-0.3, -0.65, -0.25),
-    (0.0, -0.75, 0.2),
-    (0.3, -0.75, 0.65),
-    (0.05, -0.45, 0.9),
-    (-0.5, -0.35, 0.8),
+    (-0.65, -0.4, -0.05),
+    (-0.25, -0.7, -0.1),
+    (0.05, -0.77, 0.3),
+    (0.35, -0.75, 0.65),
+    (0.35, -0.35, 0.88),
+    (0.28, 0.0, 0.95),
 ]
-# Seen from her right: towards the viewer.
-SUZANNE_VIEW = (-0.45, -1.0, 0.22)
+# From her towards the viewer.
+SUZANNE_VIEW = (-0.4, -1.0, 0.32)
 SUZANNE_SUBDIVISIONS = 2
 
 
@@ -140,8 +142,15 @@ def label_parts(count: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def choose_picks(mesh_object: bpy.types.Object) -> list[int]:
     """Faces for a closed line on any mesh: a ring round a body, a round tour where there is no round to go."""
     centres, faces = read_main_part(mesh_object)
-    ring = choose_ring(mesh_object, centres, faces)
+    ring = choose_ring(mesh_object, centres, faces) if is_closed(mesh_object, faces) else []
     return ring if len(ring) > RING_PICK_COUNT // 2 else choose_tour(centres, faces)
+
+
+def is_closed(mesh_object: bpy.types.Object, faces: np.ndarray) -> bool:
+    """Whether hardly any edge of these faces is an edge of the surface: a sheet has no round to go."""
+    mesh = mesh_object.data
+    face_counts = np.bincount(read_ints(mesh.loops, "edge_index"), minlength=len(mesh.edges))
+    return (face_counts == 1).sum() < 0.002 * len(faces)
 
 
 def choose_ring(mesh_object: bpy.types.Object, centres: np.ndarray, faces: np.ndarray) -> list[int]:
@@ -160,7 +169,8 @@ def choose_ring(mesh_object: bpy.types.Object, centres: np.ndarray, faces: np.nd
         is_hit, _, _, face = mesh_object.ray_cast(middle + reach * outwards, -outwards)
         if is_hit and is_main[face] and face not in ring:
             ring.append(face)
-    return ring
+    radii = np.linalg.norm(centres[ring] - middle, axis=1)
+    return [face for face, radius in zip(ring, radii, strict=True) if radius < RING_OUTLIER * np.median(radii)]
 
 
 def choose_tour(centres: np.ndarray, faces: np.ndarray) -> list[int]:

@@ -3,6 +3,10 @@
 Run by `demo`, inside Blender. Adds objects to the scene for the picture; changes neither mesh nor curves.
 """
 
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +21,7 @@ MOST_FACES_WITH_EDGES = 40_000
 # All light but the sun's is painted on, so there is nothing to be denoised and samples only smooth the outlines.
 SAMPLES = 8
 # Part of the light that comes from the viewer, where the sun does not reach.
-HEADLIGHT = 0.55
+HEADLIGHT = 0.6
 
 
 def prepare_picture(
@@ -33,7 +37,7 @@ def prepare_picture(
     paint(
         mesh_object,
         make_material(
-            "Surface", (0.42, 0.43, 0.44), draws_edges=len(mesh_object.data.polygons) <= MOST_FACES_WITH_EDGES
+            "Surface", (0.60, 0.61, 0.62), draws_edges=len(mesh_object.data.polygons) <= MOST_FACES_WITH_EDGES
         ),
     )
     paint(curve_object, make_material("Line", (0.80, 0.03, 0.06)))
@@ -42,12 +46,12 @@ def prepare_picture(
 
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.data.lens = 70
-    camera.location = centre + direction * radius * 3.7
+    camera.location = centre + direction * radius * 3.9
     camera.rotation_euler = direction.to_track_quat("Z", "Y").to_euler()
     camera.data.clip_start, camera.data.clip_end = 0.01 * radius, 20 * radius
     scene.camera = camera
     light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
-    light.data.energy, light.data.angle = 2.2, 0.05
+    light.data.energy, light.data.angle = 2.6, 0.0
     light.rotation_euler = (
         (camera.rotation_euler.to_matrix() @ Vector((-0.5, 0.7, 1.0))).to_track_quat("Z", "Y").to_euler()
     )
@@ -55,6 +59,7 @@ def prepare_picture(
     scene.collection.objects.link(light)
     scene.world = bpy.data.worlds.new("World")
     scene.world.color = (0.72, 0.77, 0.83)
+    scene.world.cycles_visibility.diffuse = False  # seen, but no light: it would have to be sampled
     mesh_object.data.polygons.foreach_set("use_smooth", np.ones(len(mesh_object.data.polygons), dtype=bool))
 
 
@@ -154,5 +159,22 @@ def render_picture(path: Path, width: int) -> None:
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     scene.render.image_settings.compression = 30
+    scene.render.dither_intensity = 0.0
     scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    with silence_blender():
+        bpy.ops.render.render(write_still=True)
+
+
+@contextmanager
+def silence_blender() -> Iterator[None]:
+    """Keep Blender's own lines of progress, hundreds in a render, from the terminal; errors are still seen."""
+    sys.stdout.flush()
+    terminal = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        os.dup2(terminal, 1)
+        os.close(nowhere)
+        os.close(terminal)

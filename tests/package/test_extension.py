@@ -30,6 +30,16 @@ def run_python(*arguments, **environment):
     )
 
 
+@pytest.fixture(scope="module")
+def packages_without_ours(tmp_path_factory):
+    """A folder with all that is installed beside bpy, less our library: there is only what the zip brings."""
+    folder = tmp_path_factory.mktemp("packages")
+    for path in Path(np.__file__).parents[1].iterdir():
+        if not path.name.startswith(("smooth_polylines", "__pycache__")):
+            (folder / path.name).symlink_to(path)
+    return folder
+
+
 def build(wheels, output):
     return run_python(REPOSITORY / "blender_scripts" / "build_extension.py", "--wheels", wheels, "--output", output)
 
@@ -96,11 +106,15 @@ def test_blenders_validation_also_checks_the_tags(extension_zip, tmp_path):
     assert run_python("-c", command, extension_zip).returncode == 0
 
 
-def test_installed_into_an_empty_profile_it_runs_with_its_own_library(extension_zip, tmp_path):
+def test_installed_into_an_empty_profile_it_runs_with_its_own_library(extension_zip, packages_without_ours, tmp_path):
     profile = tmp_path / "profile"
     profile.mkdir()
     done = run_python(
-        Path(__file__).with_name("install_and_run.py"), extension_zip, BLENDER_USER_RESOURCES=str(profile)
+        "-S",  # without the environment's own packages
+        Path(__file__).with_name("install_and_run.py"),
+        extension_zip,
+        BLENDER_USER_RESOURCES=str(profile),
+        PYTHONPATH=str(packages_without_ours),
     )
     assert done.returncode == 0, done.stdout + done.stderr
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("RESULT ")]
