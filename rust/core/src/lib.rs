@@ -15,6 +15,7 @@ pub mod error;
 pub mod filter;
 pub mod ids;
 pub mod join;
+pub mod loops;
 pub mod mesh;
 pub mod options;
 pub mod polygons;

@@ -61,9 +61,8 @@ impl Leg {
         self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h))
     }
 
-    /// Snaps crossings that cannot be told from a mesh vertex in floating point to that vertex, so that it appears
-    /// once on the line instead of as a cluster of equal points.
-    pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh) {
+    /// See [`Route::snap_to_vertices`].
+    fn snap_to_vertices(&mut self, mesh: &SurfaceMesh, is_ring: bool) {
         for (&h, t) in self.word.iter().zip(&mut self.parameters) {
             let point = crossing_position(mesh, h, *t);
             let [low, high] = mesh.sorted_ends(h);
@@ -73,16 +72,18 @@ impl Leg {
                 *t = 1.0;
             }
         }
-        for i in 1..self.word.len() {
-            let (h, k) = (self.word[i - 1], self.word[i]);
-            let is_equal =
-                crossing_position(mesh, h, self.parameters[i - 1]) == crossing_position(mesh, k, self.parameters[i]);
-            let spots = (crossing_spot(mesh, h, self.parameters[i - 1]), crossing_spot(mesh, k, self.parameters[i]));
-            if is_equal && matches!(spots, (Spot::Edge(..), _) | (_, Spot::Edge(..))) {
-                // Neighbouring edges of a strip share one end; two equal points on them are within rounding of it.
+        let count = self.word.len();
+        // Neighbouring letters share one end; two equal points on them are within rounding of it. One snapped point can
+        // make the next pair equal, hence the second walk.
+        for i in (1..count).chain(is_ring.then_some(0)).chain(1..count) {
+            let j = (i + count - 1) % count;
+            let (h, k) = (self.word[j], self.word[i]);
+            let (s, t) = (self.parameters[j], self.parameters[i]);
+            let is_equal = i != j && crossing_position(mesh, h, s) == crossing_position(mesh, k, t);
+            if is_equal && crossing_spot(mesh, h, s) != crossing_spot(mesh, k, t) {
                 let shared = mesh.ends(h).into_iter().find(|&v| mesh.touches(k, v));
-                if let Some(v) = shared {
-                    self.parameters[i - 1] = parameter_at(mesh, h, v);
+                if let Some(v) = shared.filter(|&v| mesh.position(v).distance(crossing_position(mesh, h, s)) < 1e-12 * edge_size(mesh, h)) {
+                    self.parameters[j] = parameter_at(mesh, h, v);
                     self.parameters[i] = parameter_at(mesh, k, v);
                 }
             }
@@ -90,7 +91,20 @@ impl Leg {
     }
 }
 
+/// Length of an edge, and of what rounding of its coordinates is relative to.
+fn edge_size(mesh: &SurfaceMesh, letter: HalfedgeId) -> f64 {
+    let [a, b] = mesh.ends(letter).map(|v| mesh.position(v));
+    a.distance(b) + a.abs().max_element()
+}
+
 impl Route {
+    /// Snaps crossings that cannot be told from a mesh vertex in floating point to that vertex, so that it appears
+    /// once on the line instead of as a cluster of equal points.
+    pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh) {
+        let is_ring = self.pins.is_empty();
+        self.legs.iter_mut().for_each(|leg| leg.snap_to_vertices(mesh, is_ring));
+    }
+
     /// The pin that a leg starts at, if any.
     pub fn start_pin(&self, leg: usize) -> Option<&SurfacePoint> {
         self.pins.get(leg)

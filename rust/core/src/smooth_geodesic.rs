@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::error::Result;
 use crate::filter::closed_geodesic::straighten_loop;
 use crate::filter::geodesic::{GeodesicLeg, Workspace};
+use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
 use crate::polyline::Polyline;
@@ -34,16 +35,23 @@ pub fn smooth_geodesic(
     let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
     let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
     let mut work = Workspace::default();
-    let is_finished = if route.pins.is_empty() {
-        smooth_loop(mesh, route, limit, options.stages, &mut work, report, observer)?
-    } else {
-        smooth_legs(mesh, route, limit, options.stages, &mut work, report, observer)?
+    let own_repeats = OwnRepeats::of_route(mesh, route);
+    let finish = loop {
+        let finish = if route.pins.is_empty() {
+            smooth_loop(mesh, route, limit, options.stages, &mut work, report, observer)?
+        } else {
+            smooth_legs(mesh, route, limit, options.stages, &mut work, report, observer)?
+        };
+        // Cutting a loop shortens the line, so this ends; measured, it happens on CAD slivers alone.
+        let cuts = own_repeats.cut_new_loops(mesh, route);
+        report.loops_removed += cuts;
+        if cuts == 0 || report.iterations >= limit {
+            break finish;
+        }
     };
-    for leg in &mut route.legs {
-        leg.snap_to_vertices(mesh);
-    }
+    route.snap_to_vertices(mesh);
     let touches_vertex = route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0);
-    report.stop_reason = match (is_finished, touches_vertex) {
+    report.stop_reason = match (finish, touches_vertex) {
         (Finish::Settled, false) => StopReason::Converged,
         (Finish::Settled, true) => StopReason::ConvergedAtVertices,
         (Finish::Cycling, _) => StopReason::Cycle,
@@ -73,7 +81,7 @@ fn smooth_legs(
         let (Some(start), Some(end)) = (route.start_pin(i), route.end_pin(i)) else { continue };
         solvers.push(GeodesicLeg::new(mesh, leg, start, end, work, report));
     }
-    report.iterations = 1;
+    report.iterations += 1;
     let take_legs = |solvers: &[GeodesicLeg], work: &mut Workspace| -> Vec<Leg> {
         solvers.iter().map(|solver| solver.to_leg(mesh, work)).collect()
     };

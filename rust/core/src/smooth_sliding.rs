@@ -8,10 +8,11 @@ use std::ops::ControlFlow;
 use crate::error::{Error, Result};
 use crate::filter::SlidingFilter;
 use crate::ids::HalfedgeId;
+use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Options, PAPER_MAX_ITERATIONS};
 use crate::relax::beads::Beads;
-use crate::relax::heap::relax_by_heap;
+use crate::relax::heap::{HeapEnd, relax_by_heap};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::{Leg, Route, Spot, spot_of};
 use crate::sliding_pass::{PassWork, pass_vertices};
@@ -47,6 +48,7 @@ pub fn smooth_sliding(
     let most_moves = move_limit(crossings, filter.reach());
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
+    let own_repeats = OwnRepeats::of_route(mesh, route);
     loop {
         trim_legs(mesh, route);
         go_on(observer, Step::Relax)?;
@@ -62,18 +64,21 @@ pub fn smooth_sliding(
             return Err(Error::Interrupted);
         }
         beads.write_to(route);
-        route.legs.iter_mut().for_each(|leg| leg.snap_to_vertices(mesh));
+        route.snap_to_vertices(mesh);
         report.moves += outcome.moves;
         report.iterations += 1;
         if options.stages {
             report.stages.extend(points_of(mesh, route));
         }
-        if !outcome.is_settled {
-            report.stop_reason = StopReason::MaxIterations;
-            return Ok(());
+        match outcome.end {
+            HeapEnd::Stopped => {
+                report.stop_reason = StopReason::MaxIterations;
+                return Ok(());
+            }
+            HeapEnd::Swinging | HeapEnd::Settled => {}
         }
         if !touches_vertices(route) {
-            report.stop_reason = StopReason::Converged;
+            report.stop_reason = if outcome.end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::Converged };
             return Ok(());
         }
         refuse_collapsed(mesh, route, report.iterations)?;
@@ -82,9 +87,15 @@ pub fn smooth_sliding(
             return Ok(());
         }
         go_on(observer, Step::VertexPass)?;
-        let changes = pass_vertices(mesh, route, filter, options.threshold, report, &mut work);
+        let mut changes = pass_vertices(mesh, route, filter, options.threshold, report, &mut work);
+        if changes > 0 {
+            let cuts = own_repeats.cut_new_loops(mesh, route);
+            report.loops_removed += cuts;
+            changes += cuts;
+        }
         if changes == 0 {
-            report.stop_reason = StopReason::ConvergedAtVertices;
+            report.stop_reason =
+                if outcome.end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::ConvergedAtVertices };
             return Ok(());
         }
         refuse_collapsed(mesh, route, report.iterations)?;

@@ -13,6 +13,9 @@ pub const BARYCENTRIC_SLACK: f64 = 1e-9;
 /// Largest distance of the sum of barycentric parts from 1 that is taken for rounding (the contract of `picks`).
 pub const BARYCENTRIC_SUM_SLACK: f64 = 1e-6;
 
+/// A sum this close to 1 is 1 but for the rounding of three parts and two additions.
+const SUM_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// A point of the surface. On an edge one part of `barycentric` is exactly 0, on a mesh vertex two are.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SurfacePoint {
@@ -58,8 +61,11 @@ impl SurfacePoint {
         }
         let clamped = barycentric.map(|b| b.max(0.0));
         let total: f64 = clamped.iter().sum();
-        // Parts whose sum is 1 already are kept to the bit: a point read from one line and given to the next is the same.
-        let barycentric = if total == 1.0 { clamped } else { clamped.map(|b| b / total) };
+        // Parts whose sum is 1 to rounding are kept to the bit: a point read from one line and given to the next is the
+        // same. A single part that is not 0 becomes exactly 1: the point is that vertex.
+        let is_vertex = clamped.iter().filter(|&&b| b > 0.0).count() == 1;
+        let is_normal = (total - 1.0).abs() <= SUM_ROUNDING && !is_vertex;
+        let barycentric = if is_normal { clamped } else { clamped.map(|b| b / total) };
         Ok(Self { triangle, barycentric })
     }
 

@@ -2,6 +2,10 @@
 //!
 //! This is coordinate descent: moves grow with the square of the crossings, and a threshold stops it before its limit. It
 //! is the reference that other solvers are compared with. Holds the indexed heap and the loop.
+//!
+//! Where crossings are uneven, the cubic's map is no descent and vertices can swing for ever. A vertex that keeps turning
+//! back is damped: it goes part of the way. Damping either lets it settle at its target, or brings it to rest in the
+//! middle of its swing, which the outcome tells.
 
 use std::ops::ControlFlow;
 
@@ -11,13 +15,44 @@ use crate::relax::beads::Beads;
 /// Moves between two calls of `on_pause`.
 const MOVES_PER_PAUSE: u64 = 1 << 12;
 
+/// Times that a vertex may turn back before it is damped. A vertex that settles without damping turns back less than
+/// this, measured with the linear filter.
+const FREE_REVERSALS: u32 = 12;
+
+/// What every further turn leaves of a vertex's step.
+const DAMPING: f64 = 0.8;
+
+/// A vertex rests, although it is off its target, when its damped step is below this share of the threshold.
+const REST: f64 = 0.01;
+
 /// How a relaxation ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HeapEnd {
+    /// Every error is below the threshold.
+    Settled,
+    /// Nothing moves any more, but some vertices rest in the middle of a swing, further than the threshold from their
+    /// targets.
+    Swinging,
+    /// The limit of moves was reached, or the caller stopped.
+    Stopped,
+}
+
+/// What a relaxation did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeapOutcome {
     /// Vertices moved, counted once a move.
     pub moves: u64,
-    /// Whether every error is below the threshold; else the limit of moves was reached, or the caller stopped.
-    pub is_settled: bool,
+    /// How it ended.
+    pub end: HeapEnd,
+}
+
+/// What is known of one vertex besides its place.
+#[derive(Clone, Copy, Debug)]
+struct Swing {
+    target: f64,
+    damping: f64,
+    last_step: f64,
+    reversals: u32,
 }
 
 /// Slides the beads until no free one is further than `threshold` (barycentric units) from its target, or until
@@ -32,29 +67,48 @@ pub fn relax_by_heap(
     mut on_pause: impl FnMut() -> ControlFlow<()>,
 ) -> HeapOutcome {
     let mut heap = ErrorHeap::new(beads.len());
-    let mut targets = beads.parameters.clone();
+    let start = Swing { target: 0.0, damping: 1.0, last_step: 0.0, reversals: 0 };
+    let mut swings = vec![start; beads.len()];
     for i in 0..beads.len() {
-        judge(beads, filter, i, threshold, &mut targets, &mut heap);
+        judge(beads, filter, i, threshold, &mut swings[i], &mut heap);
     }
     let mut moves = 0;
     while let Some(i) = heap.first() {
         if moves == move_limit || (moves % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 && on_pause().is_break()) {
-            return HeapOutcome { moves, is_settled: false };
+            return HeapOutcome { moves, end: HeapEnd::Stopped };
         }
         moves += 1;
-        beads.parameters[i] = targets[i];
-        beads.positions[i] = beads.edges[i].at(targets[i]);
-        judge(beads, filter, i, threshold, &mut targets, &mut heap);
+        slide(beads, i, &mut swings[i]);
+        judge(beads, filter, i, threshold, &mut swings[i], &mut heap);
         for forward in [false, true] {
             let mut at = i;
             for _ in 0..filter.reach() {
                 let Some(next) = beads.step(at, forward).filter(|&next| next != i) else { break };
                 at = next;
-                judge(beads, filter, at, threshold, &mut targets, &mut heap);
+                judge(beads, filter, at, threshold, &mut swings[at], &mut heap);
             }
         }
     }
-    HeapOutcome { moves, is_settled: true }
+    let is_off = |(i, swing): (usize, &Swing)| (swing.target - beads.parameters[i]).abs() > threshold && !beads.is_fixed[i];
+    let end = if swings.iter().enumerate().any(is_off) { HeapEnd::Swinging } else { HeapEnd::Settled };
+    HeapOutcome { moves, end }
+}
+
+/// Moves vertex `i` towards its target, all the way unless it is damped.
+fn slide(beads: &mut Beads, i: usize, swing: &mut Swing) {
+    let t = beads.parameters[i];
+    let whole = swing.target - t;
+    if whole * swing.last_step < 0.0 {
+        swing.reversals += 1;
+        if swing.reversals > FREE_REVERSALS {
+            swing.damping *= DAMPING;
+        }
+    }
+    swing.last_step = whole;
+    // Not t + 1.0 * whole, which need not be the target to the bit: targets of 0 and 1 are mesh vertices.
+    let next = if swing.damping == 1.0 { swing.target } else { (t + swing.damping * whole).clamp(0.0, 1.0) };
+    beads.parameters[i] = next;
+    beads.positions[i] = beads.edges[i].at(next);
 }
 
 /// Finds the target and error of vertex `i` anew.
@@ -63,7 +117,7 @@ fn judge(
     filter: &impl SlidingFilter,
     i: usize,
     threshold: f64,
-    targets: &mut [f64],
+    swing: &mut Swing,
     heap: &mut ErrorHeap,
 ) {
     if beads.is_fixed[i] {
@@ -72,9 +126,10 @@ fn judge(
     let reach = filter.reach();
     let (before, after) = (beads.neighbours(i, false, reach), beads.neighbours(i, true, reach));
     let t = beads.parameters[i];
-    targets[i] = filter.target(&beads.edges[i], &before, &after, t);
-    let error = (targets[i] - t).abs();
-    heap.set(i, if error > threshold { error } else { 0.0 });
+    swing.target = filter.target(&beads.edges[i], &before, &after, t);
+    let error = (swing.target - t).abs();
+    let step = swing.damping * error;
+    heap.set(i, if error > threshold && step > REST * threshold { step } else { 0.0 });
 }
 
 /// A binary heap of vertices by error, largest first, that knows the place of each; vertices without error are not in it.
@@ -199,7 +254,7 @@ mod tests {
         }
         beads.push_fixed(DVec3::new(6.0, 1.5, 0.0));
         let outcome = relax_by_heap(&mut beads, &Linear, 1e-12, 100_000, || ControlFlow::Continue(()));
-        assert!(outcome.is_settled);
+        assert_eq!(outcome.end, HeapEnd::Settled);
         for p in &beads.positions {
             assert!((p.y - p.x / 4.0).abs() < 1e-10, "{p}");
         }
