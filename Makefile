@@ -22,7 +22,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup dev demo images test test-rust test-native test-addon test-addon-newest test-package \
+.PHONY: help setup dev demo images test test-rust test-native test-addon test-newest test-package \
     fmt lint wheel extension clean
 
 help: ## list the commands
@@ -85,7 +85,7 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 
 # --- checking ---------------------------------------------------------------------------------------------
 
-test: test-rust test-native test-addon test-package test-addon-newest ## every test, Rust and Python, in real Blender where it matters
+test: test-rust test-native test-addon test-package test-newest ## every test, Rust and Python, in real Blender where it matters
 	$(STEP) "All tests passed"
 
 test-rust: ## tests of the Rust workspace
@@ -105,10 +105,10 @@ test-package: $(VENV)/.wheel.stamp ## the rules of the repository; the extension
 	$(BIN)/python -m pytest tests/rules tests/package
 
 ifeq ($(PYTHON_NEWEST),)
-test-addon-newest:
+test-newest:
 	$(STEP) "NOT RUN: the add-on's tests in the newest Blender: no Python 3.13 found (PYTHON_NEWEST=/path/to/python3.13)"
 else
-test-addon-newest: $(NEWEST)/.wheel.stamp ## tests of the wheel, the add-on and the package, in the newest Blender (Python 3.13)
+test-newest: $(NEWEST)/.wheel.stamp ## tests of the wheel, the add-on and the package, in the newest Blender (Python 3.13)
 	$(STEP) "The same tests in the newest Blender"
 	$(NEWEST)/bin/python -m pytest tests/native
 	$(NEWEST)/bin/python -m pytest tests/addon
