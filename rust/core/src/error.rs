@@ -131,5 +131,25 @@ pub enum Error {
     Interrupted,
 }
 
+impl Error {
+    /// The same error with picks named by their places in a longer list: `places[i]` is where pick `i` stands.
+    pub fn with_picks(self, places: [usize; 2]) -> Self {
+        match self {
+            Self::NoPath { first, second, parts } => {
+                Self::NoPath { first: places[first], second: places[second], parts }
+            }
+            Self::Option(OptionError { argument: "picks", message }) => {
+                // Messages of the picks begin with the pick that they are about.
+                let renamed = places.iter().enumerate().find_map(|(i, place)| {
+                    let rest = message.strip_prefix(&format!("pick {i}"))?;
+                    rest.starts_with([' ', ':']).then(|| format!("pick {place}{rest}"))
+                });
+                OptionError::new("picks", renamed.unwrap_or(message)).into()
+            }
+            other => other,
+        }
+    }
+}
+
 /// What most functions return.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

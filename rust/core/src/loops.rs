@@ -42,19 +42,7 @@ impl OwnRepeats {
         let is_ring = route.pins.is_empty();
         for (leg, own) in route.legs.iter_mut().zip(&self.repeated) {
             while let Some((start, end)) = find_new_loop(mesh, leg.first, &leg.word, own, is_ring) {
-                if start < end {
-                    leg.word.drain(start..end);
-                    leg.parameters.drain(start..end);
-                } else {
-                    // The part of a ring that goes across its seam.
-                    leg.word.truncate(start);
-                    leg.parameters.truncate(start);
-                    leg.word.drain(..end);
-                    leg.parameters.drain(..end);
-                }
-                if let (true, Some(letter)) = (is_ring, leg.word.first()) {
-                    leg.first = letter.triangle();
-                }
+                leg.cut(mesh, start, end, is_ring);
                 cuts += 1;
             }
         }

@@ -61,6 +61,38 @@ impl Leg {
         self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h))
     }
 
+    /// Takes out letters `start..end` (across the seam of a ring when `start >= end`), after which the strip is in the
+    /// triangle where it was before them, and cancels the backtracks that this makes.
+    pub fn cut(&mut self, mesh: &SurfaceMesh, start: usize, end: usize, is_ring: bool) {
+        let mut letters: Vec<(HalfedgeId, f64)> =
+            self.word.iter().copied().zip(self.parameters.iter().copied()).collect();
+        if start < end {
+            letters.drain(start..end);
+        } else {
+            letters.truncate(start);
+            letters.drain(..end);
+        }
+        let mut reduced: Vec<(HalfedgeId, f64)> = Vec::with_capacity(letters.len());
+        for letter in letters {
+            if reduced.last().is_some_and(|last| mesh.twin(last.0) == Some(letter.0)) {
+                reduced.pop();
+            } else {
+                reduced.push(letter);
+            }
+        }
+        let mut rest = reduced.as_slice();
+        while let (true, [first, middle @ .., last]) = (is_ring, rest) {
+            if mesh.twin(last.0) != Some(first.0) {
+                break;
+            }
+            rest = middle;
+        }
+        (self.word, self.parameters) = rest.iter().copied().unzip();
+        if let Some(&letter) = self.word.first() {
+            self.first = letter.triangle();
+        }
+    }
+
     /// See [`Route::snap_to_vertices`].
     fn snap_to_vertices(&mut self, mesh: &SurfaceMesh, is_ring: bool) {
         for (&h, t) in self.word.iter().zip(&mut self.parameters) {
@@ -82,13 +114,28 @@ impl Leg {
             let is_equal = i != j && crossing_position(mesh, h, s) == crossing_position(mesh, k, t);
             if is_equal && crossing_spot(mesh, h, s) != crossing_spot(mesh, k, t) {
                 let shared = mesh.ends(h).into_iter().find(|&v| mesh.touches(k, v));
-                if let Some(v) = shared.filter(|&v| mesh.position(v).distance(crossing_position(mesh, h, s)) < 1e-12 * edge_size(mesh, h)) {
+                if let Some(v) = shared
+                    .filter(|&v| mesh.position(v).distance(crossing_position(mesh, h, s)) < 1e-12 * edge_size(mesh, h))
+                {
                     self.parameters[j] = parameter_at(mesh, h, v);
                     self.parameters[i] = parameter_at(mesh, k, v);
+                } else {
+                    self.parameters[i] = nudged(mesh, k, t);
                 }
             }
         }
     }
+}
+
+/// A parameter next to `t` whose point differs: edges of a triangle without area can have points in common, and a line
+/// has no two equal points in a row.
+fn nudged(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64) -> f64 {
+    let point = crossing_position(mesh, letter, t);
+    let towards = if t < 0.5 { 1.0 } else { -1.0 };
+    (0..40)
+        .map(|power| t + towards * f64::EPSILON * f64::from(2).powi(power))
+        .find(|&next| (0.0..=1.0).contains(&next) && crossing_position(mesh, letter, next) != point)
+        .unwrap_or(t)
 }
 
 /// Length of an edge, and of what rounding of its coordinates is relative to.

@@ -18,7 +18,7 @@ use crate::relax::beads::Beads;
 use crate::relax::funnel::{Funnel, shortest_crossings};
 use crate::relax::heap::relax_by_heap;
 use crate::report::Report;
-use crate::route::{Route, Spot, crossing_position, crossing_spot};
+use crate::route::{Route, crossing_position};
 use crate::unfold::Unfolding;
 use crate::vertex_pass::{ANGLE_SLACK, Run, angle_between, measure_sides, other_side_word};
 
@@ -38,6 +38,26 @@ pub struct PassWork {
     funnel: Funnel,
 }
 
+/// A vertex of the line counts as merged with a mesh vertex when it is nearer than this, in barycentric units.
+///
+/// Sliding one vertex at a time only approaches a mesh vertex: several crowd there, ever closer, and never arrive. A
+/// generous distance does no harm, since a pass is kept only if the filter's measure falls.
+pub fn merging_distance(threshold: f64) -> f64 {
+    (100.0 * threshold).clamp(1e-6, 1e-2)
+}
+
+/// The mesh vertex that a crossing has merged with.
+pub fn merged_vertex(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64, merging: f64) -> Option<VertexId> {
+    let [low, high] = mesh.sorted_ends(letter);
+    if t <= merging {
+        Some(low)
+    } else if t >= 1.0 - merging {
+        Some(high)
+    } else {
+        None
+    }
+}
+
 /// Tries every mesh vertex that the line runs through between its pins; returns at how many the line changed.
 pub fn pass_vertices(
     mesh: &SurfaceMesh,
@@ -50,10 +70,10 @@ pub fn pass_vertices(
     let mut changes = 0;
     for leg in 0..route.legs.len() {
         if route.pins.is_empty() {
-            begin_between_vertices(mesh, route);
+            begin_between_vertices(mesh, route, merging_distance(threshold));
         }
         let mut from = 0;
-        while let Some((vertex, letters)) = next_run(mesh, route, leg, from) {
+        while let Some((vertex, letters)) = next_run(mesh, route, leg, from, merging_distance(threshold)) {
             from = letters.end;
             if let Some(new_end) = try_pass(mesh, route, leg, vertex, letters, filter, threshold, report, work) {
                 changes += 1;
@@ -68,14 +88,11 @@ pub fn pass_vertices(
 }
 
 /// Turns a closed word so that no run goes across its seam.
-fn begin_between_vertices(mesh: &SurfaceMesh, route: &mut Route) {
+fn begin_between_vertices(mesh: &SurfaceMesh, route: &mut Route, merging: f64) {
     let leg = &mut route.legs[0];
-    let spot = |i: usize| crossing_spot(mesh, leg.word[i], leg.parameters[i]);
+    let vertex = |i: usize| merged_vertex(mesh, leg.word[i], leg.parameters[i], merging);
     let count = leg.word.len();
-    let start = (0..count).find(|&i| {
-        let (a, b) = (spot((i + count - 1) % count), spot(i));
-        a != b || !matches!(b, Spot::Vertex(_))
-    });
+    let start = (0..count).find(|&i| vertex(i).is_none() || vertex(i) != vertex((i + count - 1) % count));
     if let Some(start) = start {
         leg.word.rotate_left(start);
         leg.parameters.rotate_left(start);
@@ -98,13 +115,18 @@ fn cancel_seam(mesh: &SurfaceMesh, route: &mut Route) {
 }
 
 /// The next mesh vertex on a leg from letter `from` on, and the letters that cross it.
-fn next_run(mesh: &SurfaceMesh, route: &Route, leg: usize, from: usize) -> Option<(VertexId, Range<usize>)> {
+fn next_run(
+    mesh: &SurfaceMesh,
+    route: &Route,
+    leg: usize,
+    from: usize,
+    merging: f64,
+) -> Option<(VertexId, Range<usize>)> {
     let leg = &route.legs[leg];
-    let spot = |i: usize| crossing_spot(mesh, leg.word[i], leg.parameters[i]);
-    let first = (from..leg.word.len()).find(|&i| matches!(spot(i), Spot::Vertex(_)))?;
-    let here = spot(first);
-    let Spot::Vertex(vertex) = here else { return None };
-    let end = (first + 1..leg.word.len()).find(|&i| spot(i) != here).unwrap_or(leg.word.len());
+    let (first, vertex) = (from..leg.word.len())
+        .find_map(|i| Some(i).zip(merged_vertex(mesh, leg.word[i], leg.parameters[i], merging)))?;
+    let is_here = |i: &usize| merged_vertex(mesh, leg.word[*i], leg.parameters[*i], merging) == Some(vertex);
+    let end = (first + 1..leg.word.len()).find(|i| !is_here(i)).unwrap_or(leg.word.len());
     Some((vertex, first..end))
 }
 

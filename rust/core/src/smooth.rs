@@ -79,7 +79,7 @@ pub fn network(
     let mut lines = Vec::with_capacity(connections.len());
     for connection in connections {
         let ends = connection.map(|i| picks[i as usize]);
-        let line = polyline(mesh, &ends, options, observer);
+        let line = polyline(mesh, &ends, options, observer).map_err(|e| e.with_picks(connection.map(|i| i as usize)));
         if line == Err(Error::Interrupted) {
             return Err(Error::Interrupted);
         }

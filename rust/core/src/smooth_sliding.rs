@@ -15,7 +15,7 @@ use crate::relax::beads::Beads;
 use crate::relax::heap::{HeapEnd, relax_by_heap};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::{Leg, Route, Spot, spot_of};
-use crate::sliding_pass::{PassWork, pass_vertices};
+use crate::sliding_pass::{PassWork, merging_distance, pass_vertices};
 use crate::smooth::go_on;
 use crate::smooth_geodesic::points_of;
 use crate::strip::entered_triangle;
@@ -23,12 +23,12 @@ use crate::surface_point::SurfacePoint;
 
 /// Moves that one line may take in all rounds, so that it ends.
 ///
-/// Measured until the threshold is met, for n crossings: `linear` at 1e-8 takes about 3 n^2 (22 000 for 83, 4 million
-/// for 1 500), which gets twice that. `cubic` takes 40 n to 600 n where it settles at all: the uniform form may swing for
-/// ever, as its map is not a descent.
+/// Measured until the threshold is met, for n crossings: `linear` at 1e-8 takes about 3 n^2 a round (22 000 for 83, 4
+/// million for 1 500) and up to ten rounds. `cubic` at 1e-4 takes 40 n to 220 n where it settles at all: the uniform form
+/// may swing for ever, as its map is not a descent.
 fn move_limit(crossings: usize, reach: usize) -> u64 {
     let n = crossings as u64;
-    20_000 + n * if reach == 1 { (2_000).max(6 * n) } else { 600 }
+    20_000 + n * if reach == 1 { (20_000).max(10 * n) } else { 250 }
 }
 
 /// Smooths `route` by a filter of the paper's kind.
@@ -48,6 +48,7 @@ pub fn smooth_sliding(
     let most_moves = move_limit(crossings, filter.reach());
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
+    let merging = merging_distance(options.threshold);
     let own_repeats = OwnRepeats::of_route(mesh, route);
     loop {
         trim_legs(mesh, route);
@@ -77,8 +78,9 @@ pub fn smooth_sliding(
             }
             HeapEnd::Swinging | HeapEnd::Settled => {}
         }
-        if !touches_vertices(route) {
-            report.stop_reason = if outcome.end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::Converged };
+        if !touches_vertices(route, merging) {
+            report.stop_reason =
+                if outcome.end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::Converged };
             return Ok(());
         }
         refuse_collapsed(mesh, route, report.iterations)?;
@@ -99,20 +101,20 @@ pub fn smooth_sliding(
             return Ok(());
         }
         refuse_collapsed(mesh, route, report.iterations)?;
-        if !seen.insert(state_of(route)) {
+        if !seen.insert(state_of(route, merging)) {
             report.stop_reason = StopReason::Cycle;
             return Ok(());
         }
     }
 }
 
-fn touches_vertices(route: &Route) -> bool {
-    route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0)
+fn touches_vertices(route: &Route, merging: f64) -> bool {
+    route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t <= merging || t >= 1.0 - merging)
 }
 
 /// The strip of a route, and which crossings are at mesh vertices, in a form that is equal for equal ones.
-fn state_of(route: &Route) -> Vec<(HalfedgeId, u8)> {
-    let place = |t: f64| u8::from(t == 0.0) + 2 * u8::from(t == 1.0);
+fn state_of(route: &Route, merging: f64) -> Vec<(HalfedgeId, u8)> {
+    let place = |t: f64| u8::from(t <= merging) + 2 * u8::from(t >= 1.0 - merging);
     let mut state = Vec::new();
     for leg in &route.legs {
         state.extend(leg.word.iter().zip(&leg.parameters).map(|(&h, &t)| (h, place(t))));

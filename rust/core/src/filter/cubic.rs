@@ -4,9 +4,9 @@
 //! no useful limit (a closed line's only fixed point is a point): what one sees is where the threshold stopped it. The
 //! `fair` filter is the one with a limit.
 //!
-//! Ends: a vertex with a single neighbour on one side takes the parabola through the three neighbours it has, one with
-//! a single neighbour on both sides the straight line: the polynomial of least degree, which is what keeps the end of
-//! the curve from swinging (a one-sided cubic has weights of up to 1.5 and amplifies what it should smooth).
+//! Ends: a vertex next to an end, with a single neighbour on that side, takes three of the other side, at parameters
+//! -1, 1, 2, 3, so that a cubic is left alone up to its ends. On lines too short for that it takes the polynomial through
+//! the neighbours that there are: a parabola, or the straight line.
 
 use glam::DVec3;
 
@@ -36,14 +36,12 @@ impl SlidingFilter for Cubic {
     }
 
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64 {
-        let (Some(&p), Some(&q)) = (before.first(), after.first()) else { return t };
-        let mut points: arrayvec::ArrayVec<DVec3, 4> = arrayvec::ArrayVec::new();
-        points.extend(before.get(1).copied());
-        points.push(p);
-        points.push(q);
-        points.extend(after.get(1).copied());
-        let knots = self.place_knots(&points, before.len() > 1);
-        let inner = usize::from(before.len() > 1);
+        if before.is_empty() || after.is_empty() {
+            return t;
+        }
+        let points: arrayvec::ArrayVec<DVec3, 4> = before.iter().rev().chain(after).copied().take(4).collect();
+        let inner = before.len() - 1;
+        let knots = self.place_knots(&points, inner);
         let curve = Curve::through(&knots, &points, edge.low);
         nearest_on_edge(&curve, edge.high - edge.low, knots[inner], knots[inner + 1]).unwrap_or(t)
     }
@@ -61,15 +59,16 @@ impl SlidingFilter for Cubic {
 }
 
 impl Cubic {
-    /// Parameters of the neighbours, 0 being where the vertex itself belongs for even spacing.
-    fn place_knots(&self, points: &[DVec3], has_outer_before: bool) -> arrayvec::ArrayVec<f64, 4> {
-        let inner = usize::from(has_outer_before);
+    /// Parameters of the neighbours: -1 and 1 for the inner ones, which are at `inner` and `inner + 1`.
+    fn place_knots(&self, points: &[DVec3], inner: usize) -> arrayvec::ArrayVec<f64, 4> {
         let mut knots = arrayvec::ArrayVec::new();
         let power = match self.knots {
             Knots::Uniform => {
-                let all = [-2.0, -1.0, 1.0, 2.0];
-                knots.extend(all[1 - inner..].iter().copied());
-                knots.truncate(points.len());
+                // The vertex itself has parameter 0, which is left out.
+                knots.extend(
+                    (0..points.len())
+                        .map(|i| if i <= inner { i as f64 - inner as f64 - 1.0 } else { (i - inner) as f64 }),
+                );
                 return knots;
             }
             Knots::Centripetal => 0.5,
@@ -119,7 +118,6 @@ impl Curve {
         }
         Self { coefficients }
     }
-
 }
 
 /// The squared distance between a point of a curve and a point of the edge from the origin to `e`, as polynomials of the
@@ -198,7 +196,11 @@ fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<f64> {
     let mut u = place(best.0);
     for _ in 0..NEWTON_STEPS {
         let (first, second) = distance.derivatives(u);
-        if first > 0.0 { high = u } else { low = u }
+        if first > 0.0 {
+            high = u
+        } else {
+            low = u
+        }
         let newton = u - first / second;
         let next = if second > 0.0 && newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
         let moved = (next - u).abs();

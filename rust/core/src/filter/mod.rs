@@ -27,15 +27,15 @@ impl Edge {
     }
 }
 
-/// Most neighbours a side that a filter looks at.
-pub const MAX_REACH: usize = 2;
+/// Most neighbours a side that a filter looks at: the cubic's two, and one in place of each that the other side lacks.
+pub const MAX_REACH: usize = 3;
 
 /// Neighbours of a vertex on one side, nearest first.
 pub type Side = arrayvec::ArrayVec<DVec3, MAX_REACH>;
 
 /// A filter of the paper's kind.
 pub trait SlidingFilter {
-    /// Neighbours a side that the target depends on.
+    /// Neighbours a side that the target depends on. Where one side has fewer, the other gives one more.
     fn reach(&self) -> usize;
 
     /// Where on `edge` the vertex belongs, in 0..=1, seen from its neighbours; `t` (where it is) when they do not tell.

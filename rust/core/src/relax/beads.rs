@@ -103,4 +103,15 @@ impl Beads {
         }
         side
     }
+
+    /// Neighbours on both sides, `reach` each; where one side has fewer, the other gives one more.
+    #[inline]
+    pub fn neighbourhood(&self, i: usize, reach: usize) -> (Side, Side) {
+        let (before, after) = (self.neighbours(i, false, reach), self.neighbours(i, true, reach));
+        match (before.len() < reach, after.len() < reach) {
+            (true, false) => (before, self.neighbours(i, true, reach + 1)),
+            (false, true) => (self.neighbours(i, false, reach + 1), after),
+            _ => (before, after),
+        }
+    }
 }

@@ -82,14 +82,18 @@ pub fn relax_by_heap(
         judge(beads, filter, i, threshold, &mut swings[i], &mut heap);
         for forward in [false, true] {
             let mut at = i;
-            for _ in 0..filter.reach() {
+            for distance in 0..=filter.reach() {
                 let Some(next) = beads.step(at, forward).filter(|&next| next != i) else { break };
                 at = next;
-                judge(beads, filter, at, threshold, &mut swings[at], &mut heap);
+                // One further than the reach: only a vertex next to an end looks that far.
+                if distance < filter.reach() || beads.neighbours(at, forward, filter.reach()).len() < filter.reach() {
+                    judge(beads, filter, at, threshold, &mut swings[at], &mut heap);
+                }
             }
         }
     }
-    let is_off = |(i, swing): (usize, &Swing)| (swing.target - beads.parameters[i]).abs() > threshold && !beads.is_fixed[i];
+    let is_off =
+        |(i, swing): (usize, &Swing)| (swing.target - beads.parameters[i]).abs() > threshold && !beads.is_fixed[i];
     let end = if swings.iter().enumerate().any(is_off) { HeapEnd::Swinging } else { HeapEnd::Settled };
     HeapOutcome { moves, end }
 }
@@ -123,8 +127,7 @@ fn judge(
     if beads.is_fixed[i] {
         return;
     }
-    let reach = filter.reach();
-    let (before, after) = (beads.neighbours(i, false, reach), beads.neighbours(i, true, reach));
+    let (before, after) = beads.neighbourhood(i, filter.reach());
     let t = beads.parameters[i];
     swing.target = filter.target(&beads.edges[i], &before, &after, t);
     let error = (swing.target - t).abs();
