@@ -77,26 +77,27 @@ class SurfaceChecker:
             (line.strip, (len(line.strip),), np.int32),
             (line.strip_bits, (len(line.strip_bits),), np.bool_),
         ):
-            assert array.shape == shape
-            assert array.dtype == dtype
-            assert not array.flags.writeable
+            assert array.shape == shape, f"an array has shape {array.shape}, expected {shape}"
+            assert array.dtype == dtype, f"an array has dtype {array.dtype}, expected {dtype}"
+            assert not array.flags.writeable, "an array can be written to"
         for ids in (line.triangles, line.segment_triangles, line.strip):
             assert ids.size == 0 or (ids.min() >= 0 and ids.max() < len(self.triangles))
         assert len(line.strip) >= 1
 
     def _check_points(self, line, supports, pin_count):
         b = line.barycentric
-        assert (b >= 0.0).all()
-        assert (np.abs(b.sum(axis=1) - 1.0) <= SUM_SLACK).all()
+        assert (b >= 0.0).all(), "a barycentric part is negative"
+        assert (np.abs(b.sum(axis=1) - 1.0) <= SUM_SLACK).all(), "barycentric parts do not sum to 1"
         p = self.positions[self.triangles[line.triangles]]
         expected = (b[:, 0:1] * p[:, 0] + b[:, 1:2] * p[:, 1]) + b[:, 2:3] * p[:, 2]
-        assert expected.tobytes() == line.points.tobytes()
-        assert line.on(self.positions).tobytes() == expected.tobytes()
+        assert expected.tobytes() == line.points.tobytes(), "a point is not what its barycentric parts give"
+        assert line.on(self.positions).tobytes() == expected.tobytes(), "on(positions) gives other points"
         inside = sum(len(support) == 3 for support in supports)
         assert inside <= pin_count, "only pins lie inside triangles"
         ring = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
         length = np.linalg.norm(np.diff(ring, axis=0), axis=1).sum()
-        assert abs(line.length - length) <= LENGTH_SLACK * max(length, np.abs(self.positions).max(initial=0.0))
+        slack = LENGTH_SLACK * max(length, np.abs(self.positions).max(initial=0.0))
+        assert abs(line.length - length) <= slack, f"the length is {line.length}, the segments sum to {length}"
 
     def _pairs(self, line):
         n = len(line.points)
@@ -140,8 +141,8 @@ class SurfaceChecker:
                 dead_end = any(self.support(*pin).keys() <= self.corners(b) for pin in pins)
                 assert dead_end, f"the strip turns back in triangle {b}, which holds no pin"
         if not line.closed:
-            assert supports[0].keys() <= self.corners(strip[0])
-            assert supports[-1].keys() <= self.corners(strip[-1])
+            assert supports[0].keys() <= self.corners(strip[0]), "the strip does not begin at the first point"
+            assert supports[-1].keys() <= self.corners(strip[-1]), "the strip does not end at the last point"
         self._check_order(line, strip)
 
     def _check_order(self, line, strip):

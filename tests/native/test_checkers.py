@@ -83,16 +83,16 @@ def spoil_dtype(line):
 
 
 SPOILT = {
-    spoil_point: "",
-    spoil_sum: "",
-    spoil_sign: "",
+    spoil_point: "not what its barycentric parts give",
+    spoil_sum: "do not sum to 1",
+    spoil_sign: "is negative",
     spoil_segment: "does not begin in its triangle",
     spoil_order: "strip is broken",
     spoil_gap: "strip is broken",
     spoil_backtrack: "turns back",
-    spoil_end: "",
-    spoil_length: "",
-    spoil_dtype: "",
+    spoil_end: "does not begin at the first point",
+    spoil_length: "segments sum to",
+    spoil_dtype: "has dtype int64",
 }
 
 

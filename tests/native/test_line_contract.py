@@ -38,7 +38,7 @@ def choose_pins(picks, pinned, seed):
 @pytest.mark.parametrize("name", SURFACES)
 def test_open_lines_keep_every_promise(name, filter_name):
     surface = open_surface(name)
-    for seed, (count, pinned) in enumerate([(2, "ends"), (2, "ends"), (4, "ends"), (5, "all"), (8, "some")]):
+    for seed, (count, pinned) in enumerate([(2, "ends"), (3, "ends"), (4, "all"), (6, "some")]):
         picks = surface.random_picks(count, seed)
         flags, held = choose_pins(picks, pinned, seed)
         step_b = surface.mesh.polyline(picks, filter="none", pinned=flags)
@@ -52,7 +52,7 @@ def test_open_lines_keep_every_promise(name, filter_name):
 @pytest.mark.parametrize("name", SURFACES)
 def test_closed_lines_keep_every_promise(name, filter_name):
     surface = open_surface(name)
-    for seed, (count, pinned) in enumerate([(3, "all"), (5, "ends"), (6, "all")]):
+    for seed, (count, pinned) in enumerate([(4, "ends"), (5, "all")]):
         picks = surface.random_picks(count, 100 + seed)
         if len(picks) < 3:
             continue  # fan3.obj: each of its triangles is a part of its own

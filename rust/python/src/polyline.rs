@@ -5,7 +5,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyFloat};
 use smooth_polylines_core::{Polyline, SurfaceMesh};
 
 use crate::border::{Seconds, run_attached};
@@ -176,11 +176,12 @@ impl PyPolyline {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let count = self.line.points.len();
+        // Python's own format: short, also for lengths that are very small or very large.
+        let length = PyFloat::new(py, self.length(py)?).call_method1("__format__", (".6g",))?;
         Ok(format!(
-            "<Polyline: {count} point{}, {}, length {:.6}, {}>",
+            "<Polyline: {count} point{}, {}, length {length}, {}>",
             if count == 1 { "" } else { "s" },
             if self.line.closed { "closed" } else { "open" },
-            self.length(py)?,
             self.report.get().stop_name()
         ))
     }

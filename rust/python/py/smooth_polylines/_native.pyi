@@ -15,6 +15,22 @@ _Solver: TypeAlias = Literal["auto", "heap"]
 _Knots: TypeAlias = Literal["uniform", "centripetal", "chordal"]
 _StopReason: TypeAlias = Literal["converged", "converged_at_vertices", "cycle", "max_iterations"]
 
+__all__ = [
+    "CollapsedError",
+    "Error",
+    "InternalError",
+    "MeshError",
+    "MeshReport",
+    "Network",
+    "NoPathError",
+    "OptionError",
+    "Polyline",
+    "Report",
+    "SurfaceMesh",
+    "SurfacePoint",
+    "__version__",
+]
+
 class _Seconds(TypedDict):
     search: float
     relax: float
@@ -38,7 +54,7 @@ class SurfacePoint:
     def triangle(self) -> int: ...
     @property
     def barycentric(self) -> tuple[float, float, float]: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[int, tuple[float, float, float]]: ...
 
@@ -64,7 +80,7 @@ class MeshReport:
     def unreferenced_vertices(self) -> int: ...
     @property
     def zero_area_triangles(self) -> int: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
 
 @final
 class Report:
