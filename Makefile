@@ -22,7 +22,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup dev demo images test test-rust test-native test-addon test-newest test-package \
+.PHONY: help setup dev demo images test test-rust test-native test-addon test-newest test-package test-render \
     fmt lint wheel extension clean
 
 help: ## list the commands
@@ -85,7 +85,7 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 
 # --- checking ---------------------------------------------------------------------------------------------
 
-test: test-rust test-native test-addon test-package test-newest ## every test, Rust and Python, in real Blender where it matters
+test: test-rust test-native test-addon test-package test-render test-newest ## every test, Rust and Python, in real Blender where it matters
 	$(STEP) "All tests passed"
 
 test-rust: ## tests of the Rust workspace
@@ -103,6 +103,10 @@ test-addon: $(VENV)/.wheel.stamp ## tests of the add-on, in the oldest Blender t
 test-package: $(VENV)/.wheel.stamp ## the rules of the repository; the extension zip: built, validated, installed
 	$(STEP) "Tests of the rules and of the extension package"
 	$(BIN)/python -m pytest tests/rules tests/package
+
+test-render: $(VENV)/.wheel.stamp ## the demo, with small pictures that are looked at
+	$(STEP) "Tests of the demo and its pictures"
+	$(BIN)/python -m pytest tests/render
 
 ifeq ($(PYTHON_NEWEST),)
 test-newest:

@@ -1,5 +1,7 @@
 """The operator on Suzanne: what it makes is what the library makes from the same arrays, and lies on the mesh."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -112,7 +114,7 @@ def test_automatic_iterations_and_left_over_values_of_other_filters_do_no_harm(s
     assert len(get_curves()) == 2
 
 
-def test_only_the_active_object_is_used_and_it_is_said(suzanne):
+def test_only_the_active_object_is_used_and_it_is_said(suzanne, capfd):
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0))
     cube = bpy.context.object
@@ -128,3 +130,42 @@ def test_only_the_active_object_is_used_and_it_is_said(suzanne):
     bpy.ops.mesh.smooth_polyline_add()
     (curve_object,) = get_curves()
     assert curve_object.parent == suzanne
+    # Blender prints what an operator reports.
+    assert "on the active object Suzanne only, not on Cube" in capfd.readouterr().out
+
+
+class RowRecorder:
+    """Stands for a layout and its rows: remembers each property and whether it can be changed."""
+
+    def __init__(self, drawn):
+        self.drawn = drawn
+        self.enabled = True
+
+    def row(self):
+        return RowRecorder(self.drawn)
+
+    def separator(self):
+        pass
+
+    def prop(self, _operator, name):
+        self.drawn[name] = self.enabled
+
+
+@pytest.mark.parametrize(
+    ("filter_", "solver", "greyed_out"),
+    [
+        ("LINEAR", "AUTO", {"detail_size", "knots", "threshold"}),
+        ("LINEAR", "HEAP", {"detail_size", "knots"}),
+        ("CUBIC", "AUTO", {"detail_size"}),
+        ("GEODESIC", "HEAP", {"detail_size", "knots", "solver", "threshold"}),
+        ("FAIR", "AUTO", {"knots", "solver", "threshold"}),
+        ("NONE", "AUTO", {"detail_size", "knots", "solver", "threshold", "max_iterations"}),
+    ],
+)
+def test_panel_shows_every_property_and_greys_out_what_is_not_used(extension, filter_, solver, greyed_out):
+    drawn = {}
+    operator_class = bpy.types.MESH_OT_smooth_polyline_add
+    operator_class.draw(SimpleNamespace(layout=RowRecorder(drawn), filter=filter_, solver=solver), bpy.context)
+    properties = set(bpy.ops.mesh.smooth_polyline_add.get_rna_type().properties.keys()) - {"rna_type"}
+    assert set(drawn) == properties
+    assert {name for name, enabled in drawn.items() if not enabled} == greyed_out

@@ -1,5 +1,8 @@
 """Scaled, rotated and sheared objects: smoothing happens in the world, the result is stored in the object's space."""
 
+import importlib
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -140,3 +143,22 @@ def test_offset_is_along_the_normal_that_is_seen_when_the_object_is_sheared(suza
         np.linalg.norm(expected, axis=1) * np.linalg.norm(found, axis=1)
     )
     assert cosines.min() > 0.9999
+
+
+def test_detail_size_is_a_length_of_the_object(suzanne, monkeypatch):
+    session = importlib.import_module("bl_ext.user_default.smooth_polylines.session")
+    asked = {}
+
+    class Recorder:
+        """Stands for the library's mesh: remembers what is asked of it."""
+
+        def __init__(self, *_arrays):
+            pass
+
+        def polyline(self, _picks, **options):
+            asked.update(options)
+
+    monkeypatch.setattr(session.native, "load_library", lambda: SimpleNamespace(SurfaceMesh=Recorder))
+    suzanne.scale = (2, 2, 2)
+    session.compute_polyline(bpy.context, suzanne, SUZANNE_PICKS, filter="fair", detail_size=0.3)
+    assert asked == {"filter": "fair", "detail_size": pytest.approx(0.6)}
