@@ -35,6 +35,16 @@ pub enum MeshError {
         /// The first triangle that uses it.
         triangle: usize,
     },
+    /// A vertex so far out that squares of lengths overflow.
+    #[error(
+        "positions[{vertex}] is {position:?}; coordinates beyond 1e150 overflow when lengths are squared: scale the mesh down"
+    )]
+    TooFar {
+        /// Row of `positions`.
+        vertex: u32,
+        /// The value found there.
+        position: [f64; 3],
+    },
     /// A triangle that is not one: it names a vertex twice.
     #[error(
         "triangles[{triangle}] is {corners:?} and repeats a vertex; a triangle needs three different ones: \

@@ -16,6 +16,9 @@ use crate::surface_point::{Pick, SurfacePoint};
 /// Half-edge ids are `u32` and the last one marks "none".
 const MAX_TRIANGLES: usize = (u32::MAX as usize - 1) / 3;
 
+/// Squares of larger ones overflow.
+const MAX_COORDINATE: f64 = 1e150;
+
 /// What was found on a mesh when it was opened.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct MeshReport {
@@ -260,6 +263,9 @@ fn check_triangles(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), Me
             };
             if !p.is_finite() {
                 return Err(MeshError::NotFinite { vertex: v, position: p.to_array(), triangle });
+            }
+            if p.abs().max_element() > MAX_COORDINATE {
+                return Err(MeshError::TooFar { vertex: v, position: p.to_array() });
             }
         }
         let [a, b, c] = corners;

@@ -6,6 +6,7 @@
 //! the spokes, relaxed together with the filter, and kept only if the filter's measure fell. The side may be the strip's
 //! own: then merged vertices are freed.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::{ControlFlow, Range};
 
@@ -36,7 +37,15 @@ const GAIN: f64 = 1e-9;
 pub struct PassWork {
     unfolding: Unfolding,
     funnel: Funnel,
+    /// Changes kept at each mesh vertex so far.
+    changes: HashMap<VertexId, u32>,
+    /// Whether a vertex that was changed once is left alone: set when the line has come back to a strip.
+    pub is_strict: bool,
 }
+
+/// Changes at one mesh vertex after which the line stays there: it came back every time, so the side is no better once
+/// the whole line has been relaxed, whatever the fan alone says.
+const MAX_CHANGES_AT_VERTEX: u32 = 3;
 
 /// A vertex of the line counts as merged with a mesh vertex when it is nearer than this, in barycentric units.
 ///
@@ -143,7 +152,8 @@ fn try_pass(
     report: &mut Report,
     work: &mut PassWork,
 ) -> Option<usize> {
-    if !mesh.is_passable(vertex) {
+    let most_changes = if work.is_strict { 1 } else { MAX_CHANGES_AT_VERTEX };
+    if !mesh.is_passable(vertex) || work.changes.get(&vertex).is_some_and(|&n| n >= most_changes) {
         return None;
     }
     let word = &route.legs[leg].word;
@@ -174,6 +184,7 @@ fn try_pass(
         }
         if let Some(end) = try_fan(mesh, route, leg, letters.clone(), fan, filter, threshold, report, work) {
             report.vertex_passes += passes;
+            *work.changes.entry(vertex).or_insert(0) += 1;
             return Some(end);
         }
     }

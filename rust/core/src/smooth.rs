@@ -9,7 +9,7 @@ use crate::filter::cubic::Cubic;
 use crate::filter::linear::Linear;
 use crate::join::join_picks;
 use crate::mesh::SurfaceMesh;
-use crate::options::{Filter, Options};
+use crate::options::{Filter, Options, Solver};
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
 use crate::route::Route;
@@ -41,6 +41,13 @@ pub fn polyline(
         _ if route.legs.is_empty() => {}
         Filter::None => {}
         Filter::Geodesic => smooth_geodesic(mesh, &mut route, options, &mut report, observer)?,
+        Filter::Linear if options.solver == Solver::Auto => {
+            // The locally shortest line is near the filter's fixed point, on the right side of nearly every vertex.
+            let start = Options { max_iterations: None, stages: false, ..options.clone() };
+            smooth_geodesic(mesh, &mut route, &start, &mut report, observer)?;
+            report.iterations = 0;
+            smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?;
+        }
         Filter::Linear => smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?,
         Filter::Cubic => {
             smooth_sliding(mesh, &mut route, &Cubic { knots: options.knots }, options, &mut report, observer)?;

@@ -10,9 +10,10 @@ use crate::filter::SlidingFilter;
 use crate::ids::HalfedgeId;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
-use crate::options::{Options, PAPER_MAX_ITERATIONS};
+use crate::options::{Filter, Options, PAPER_MAX_ITERATIONS, Solver};
 use crate::relax::beads::Beads;
 use crate::relax::heap::{HeapEnd, relax_by_heap};
+use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::{Leg, Route, Spot, spot_of};
 use crate::sliding_pass::{PassWork, merging_distance, pass_vertices};
@@ -43,35 +44,44 @@ pub fn smooth_sliding(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<()> {
+    let by_newton = options.filter == Filter::Linear && options.solver == Solver::Auto;
+    let threshold = if by_newton { NEWTON_TOLERANCE } else { options.threshold };
     let limit = options.max_iterations.unwrap_or(PAPER_MAX_ITERATIONS);
     let crossings: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
     let most_moves = move_limit(crossings, filter.reach());
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
-    let merging = merging_distance(options.threshold);
+    let merging = merging_distance(threshold);
     let own_repeats = OwnRepeats::of_route(mesh, route);
     loop {
         trim_legs(mesh, route);
         go_on(observer, Step::Relax)?;
         let mut beads = Beads::of_route(mesh, route);
-        let mut is_stopped = false;
-        let outcome =
-            relax_by_heap(&mut beads, filter, options.threshold, most_moves.saturating_sub(report.moves), || {
+        let end = if by_newton && settle_by_newton(&mut beads, filter, report) {
+            HeapEnd::Settled
+        } else {
+            // Also where Newton did not settle: the heap goes on from the best place that it found.
+            let mut is_stopped = false;
+            let share = if by_newton { MOVES_AFTER_NEWTON * crossings as u64 } else { most_moves };
+            let moves_left = most_moves.saturating_sub(report.moves).min(share);
+            let outcome = relax_by_heap(&mut beads, filter, threshold, moves_left, || {
                 let flow = observer.step(Step::Relax);
                 is_stopped = flow == ControlFlow::Break(());
                 flow
             });
-        if is_stopped {
-            return Err(Error::Interrupted);
-        }
+            if is_stopped {
+                return Err(Error::Interrupted);
+            }
+            report.moves += outcome.moves;
+            outcome.end
+        };
         beads.write_to(route);
         route.snap_to_vertices(mesh);
-        report.moves += outcome.moves;
         report.iterations += 1;
         if options.stages {
             report.stages.extend(points_of(mesh, route));
         }
-        match outcome.end {
+        match end {
             HeapEnd::Stopped => {
                 report.stop_reason = StopReason::MaxIterations;
                 return Ok(());
@@ -79,8 +89,7 @@ pub fn smooth_sliding(
             HeapEnd::Swinging | HeapEnd::Settled => {}
         }
         if !touches_vertices(route, merging) {
-            report.stop_reason =
-                if outcome.end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::Converged };
+            report.stop_reason = if end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::Converged };
             return Ok(());
         }
         refuse_collapsed(mesh, route, report.iterations)?;
@@ -89,7 +98,7 @@ pub fn smooth_sliding(
             return Ok(());
         }
         go_on(observer, Step::VertexPass)?;
-        let mut changes = pass_vertices(mesh, route, filter, options.threshold, report, &mut work);
+        let mut changes = pass_vertices(mesh, route, filter, threshold, report, &mut work);
         if changes > 0 {
             let cuts = own_repeats.cut_new_loops(mesh, route);
             report.loops_removed += cuts;
@@ -97,13 +106,17 @@ pub fn smooth_sliding(
         }
         if changes == 0 {
             report.stop_reason =
-                if outcome.end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::ConvergedAtVertices };
+                if end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::ConvergedAtVertices };
             return Ok(());
         }
         refuse_collapsed(mesh, route, report.iterations)?;
         if !seen.insert(state_of(route, merging)) {
-            report.stop_reason = StopReason::Cycle;
-            return Ok(());
+            if work.is_strict {
+                report.stop_reason = StopReason::Cycle;
+                return Ok(());
+            }
+            // The line came back from where it was passed to: from now on no vertex is passed that was passed before.
+            work.is_strict = true;
         }
     }
 }
@@ -111,6 +124,31 @@ pub fn smooth_sliding(
 fn touches_vertices(route: &Route, merging: f64) -> bool {
     route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t <= merging || t >= 1.0 - merging)
 }
+
+/// Newton, and where it gets stuck (vertices that go on and off the ends of their edges) some moves of the heap and Newton
+/// again. False when even that does not settle.
+fn settle_by_newton(beads: &mut Beads, filter: &impl SlidingFilter, report: &mut Report) -> bool {
+    for _ in 0..NEWTON_STARTS {
+        let outcome = relax_by_newton(beads);
+        report.newton_steps += outcome.steps;
+        if outcome.is_settled {
+            return true;
+        }
+        let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
+        let outcome = relax_by_heap(beads, filter, NEWTON_TOLERANCE, moves, || ControlFlow::Continue(()));
+        report.moves += outcome.moves;
+    }
+    false
+}
+
+/// Moves of the heap where Newton has failed for good, for each crossing; the line is then as near its limit as it gets.
+const MOVES_AFTER_NEWTON: u64 = 500;
+
+/// Times that Newton is tried within one step C.
+const NEWTON_STARTS: u32 = 12;
+
+/// Moves of the heap between two tries, for each vertex.
+const MOVES_BETWEEN_STARTS: u64 = 20;
 
 /// The strip of a route, and which crossings are at mesh vertices, in a form that is equal for equal ones.
 fn state_of(route: &Route, merging: f64) -> Vec<(HalfedgeId, u8)> {

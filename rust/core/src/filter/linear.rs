@@ -16,27 +16,55 @@ impl SlidingFilter for Linear {
         1
     }
 
-    /// The point of the edge that is nearest to the infinite line through the neighbours, clamped to the edge.
-    ///
-    /// Both neighbours in one place: the point of the edge nearest to it. The line parallel to the edge, or an edge of
-    /// zero length: `t`.
+    /// See [`target_with_slopes`]; clamped to the edge.
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64 {
         let (Some(&p), Some(&q)) = (before.first(), after.first()) else { return t };
-        let (e, d) = (edge.high - edge.low, q - p);
-        // Components of the edge and of (p - low) across the line.
-        let length = d.length_squared();
-        let across = |v: DVec3| if length > 0.0 { v - d * (v.dot(d) / length) } else { v };
-        let (e_across, offset) = (across(e), across(p - edge.low));
-        let square = e_across.length_squared();
-        if square <= PARALLEL * e.length_squared() {
-            return t;
-        }
-        (offset.dot(e_across) / square).clamp(0.0, 1.0)
+        target_with_slopes(edge, (p, DVec3::ZERO), (q, DVec3::ZERO), t).target.clamp(0.0, 1.0)
     }
 
     fn measure(&self, points: &[DVec3]) -> f64 {
         points.windows(2).map(|p| p[0].distance(p[1])).sum()
     }
+}
+
+/// Where a vertex belongs, and how that changes with its neighbours.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct TargetSlopes {
+    /// Parameter on the edge, not clamped.
+    pub target: f64,
+    /// Change of the target when the neighbour before, after moves along its own edge, for each unit of its parameter.
+    pub slopes: [f64; 2],
+}
+
+/// The point of the edge's line that is nearest to the infinite line through the neighbours `p` and `q`, each given with
+/// the vector that it slides along.
+///
+/// Both neighbours in one place: the point nearest to it. The line parallel to the edge, or an edge of zero length: `t`.
+pub fn target_with_slopes(
+    edge: &Edge,
+    (p, p_slide): (DVec3, DVec3),
+    (q, q_slide): (DVec3, DVec3),
+    t: f64,
+) -> TargetSlopes {
+    let (e, a, d) = (edge.high - edge.low, p - edge.low, q - p);
+    let square = d.length_squared();
+    // target = (a across . e) / (e across . e), where "across" leaves out what is along d.
+    let (ad, ed) = if square > 0.0 { (a.dot(d) / square, e.dot(d) / square) } else { (0.0, 0.0) };
+    let e_across = e - d * ed;
+    let below = e_across.length_squared();
+    if below <= PARALLEL * e.length_squared() {
+        return TargetSlopes { target: t, slopes: [0.0; 2] };
+    }
+    let target = (a - d * ad).dot(e_across) / below;
+    if square == 0.0 {
+        return TargetSlopes { target, slopes: [0.0; 2] };
+    }
+    let slope = |da: DVec3, dd: DVec3| {
+        let along = 2.0 * d.dot(dd);
+        let above = da.dot(e) - (da.dot(d) + a.dot(dd)) * ed - ad * e.dot(dd) + ad * ed * along;
+        above - target * (ed * ed * along - 2.0 * ed * e.dot(dd))
+    };
+    TargetSlopes { target, slopes: [slope(p_slide, -p_slide) / below, slope(DVec3::ZERO, q_slide) / below] }
 }
 
 /// Squared sine below which an edge counts as parallel to the line: the square of 1e-14, the rounding of a direction.
@@ -53,6 +81,19 @@ mod tests {
         let (p, q) = (DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 3.0));
         let t = Linear.target(&edge, &[p], &[q], 0.5);
         assert!((edge.at(t).x - 0.1).abs() < 1e-12, "{}", edge.at(t).x);
+    }
+
+    #[test]
+    fn slopes_are_the_derivatives_of_the_target() {
+        let edge = Edge { low: DVec3::new(0.1, -1.0, 0.2), high: DVec3::new(0.3, 2.0, -0.5) };
+        let (p, q) = (DVec3::new(-1.0, 0.2, 0.1), DVec3::new(1.5, 0.4, 0.6));
+        let (u, v) = (DVec3::new(0.2, 0.9, 0.4), DVec3::new(-0.3, 1.1, 0.2));
+        let at = |s: f64, r: f64| target_with_slopes(&edge, (p + s * u, u), (q + r * v, v), 0.0);
+        let h = 1e-6;
+        let by_p = (at(h, 0.0).target - at(-h, 0.0).target) / (2.0 * h);
+        let by_q = (at(0.0, h).target - at(0.0, -h).target) / (2.0 * h);
+        let slopes = at(0.0, 0.0).slopes;
+        assert!((slopes[0] - by_p).abs() < 1e-8 && (slopes[1] - by_q).abs() < 1e-8, "{slopes:?} {by_p} {by_q}");
     }
 
     #[test]

@@ -68,6 +68,13 @@ impl Beads {
         self.is_fixed.push(true);
     }
 
+    /// Moves vertex `i` along its edge.
+    #[inline]
+    pub fn slide(&mut self, i: usize, t: f64) {
+        self.parameters[i] = t;
+        self.positions[i] = self.edges[i].at(t);
+    }
+
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.positions.len()

@@ -111,8 +111,7 @@ fn slide(beads: &mut Beads, i: usize, swing: &mut Swing) {
     swing.last_step = whole;
     // Not t + 1.0 * whole, which need not be the target to the bit: targets of 0 and 1 are mesh vertices.
     let next = if swing.damping == 1.0 { swing.target } else { (t + swing.damping * whole).clamp(0.0, 1.0) };
-    beads.parameters[i] = next;
-    beads.positions[i] = beads.edges[i].at(next);
+    beads.slide(i, next);
 }
 
 /// Finds the target and error of vertex `i` anew.

@@ -1,7 +1,10 @@
 //! Step C, *geometrical optimisation*: ways to move all crossings of a strip to where a filter wants them.
 //!
-//! [`funnel`] straightens a strip exactly; [`heap`] is the paper's, one vertex at a time, on [`beads`].
+//! [`funnel`] straightens a strip exactly. On [`beads`], [`heap`] is the paper's one vertex at a time, and [`newton`] moves
+//! all at once, with [`banded`] solves.
 
+pub mod banded;
 pub mod beads;
 pub mod funnel;
 pub mod heap;
+pub mod newton;

@@ -1,0 +1,187 @@
+//! Solving band systems of a ring or a chain of unknowns, in O(n).
+//!
+//! Row `i` couples unknowns `i - k` to `i + k`; on a ring indices wrap. The last `k` unknowns are eliminated last (a Schur
+//! complement), which makes the rest a plain band matrix also on a ring. Holds linear algebra alone.
+
+/// A band matrix of half-width `k`; entry `(i, i + j - k)` is `rows[i][j]`, indices wrapping on a ring.
+#[derive(Clone, Debug)]
+pub struct Banded {
+    half_width: usize,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Banded {
+    /// The zero matrix of `count` rows.
+    pub fn zero(count: usize, half_width: usize) -> Self {
+        Self { half_width, rows: vec![vec![0.0; 2 * half_width + 1]; count] }
+    }
+
+    /// Adds to the entry in row `i` at `offset` (from `-k` to `k`) from the diagonal.
+    #[inline]
+    pub fn add(&mut self, i: usize, offset: isize, value: f64) {
+        self.rows[i][(self.half_width as isize + offset) as usize] += value;
+    }
+
+    /// Makes row `i` the identity's.
+    pub fn fix(&mut self, i: usize) {
+        self.rows[i].fill(0.0);
+        self.rows[i][self.half_width] = 1.0;
+    }
+
+    /// Solves for `right`, on a ring or a chain; `None` when a pivot vanishes. Small systems and the border are dense.
+    pub fn solve(&self, right: &[f64], is_ring: bool) -> Option<Vec<f64>> {
+        let (n, k) = (self.rows.len(), self.half_width);
+        if n <= 4 * k + 2 {
+            return solve_dense(self.dense(is_ring), right.to_vec());
+        }
+        let body = n - k;
+        // Columns to solve for: the right side, then the border columns.
+        let mut band: Vec<Vec<f64>> = self.rows[..body].to_vec();
+        let mut columns = vec![vec![0.0; k + 1]; body];
+        for i in 0..body {
+            columns[i][0] = right[i];
+            for j in 0..=2 * k {
+                let column = (i + n + j - k) % n;
+                let wraps = i + j < k || i + j - k >= n;
+                let value = if wraps && !is_ring { 0.0 } else { self.rows[i][j] };
+                if column >= body {
+                    columns[i][1 + column - body] += value;
+                    band[i][j] = 0.0;
+                } else if wraps {
+                    // Only the border can be reached across the seam when n > 4 k.
+                    band[i][j] = 0.0;
+                }
+            }
+        }
+        eliminate(&mut band, &mut columns, k)?;
+        // The border's own equations, with the body put in.
+        let mut dense = vec![vec![0.0; k]; k];
+        let mut rest = vec![0.0; k];
+        for b in 0..k {
+            let i = body + b;
+            rest[b] = right[i];
+            for j in 0..=2 * k {
+                let wraps = i + j < k || i + j - k >= n;
+                let value = if wraps && !is_ring { 0.0 } else { self.rows[i][j] };
+                let column = (i + n + j - k) % n;
+                if column >= body {
+                    dense[b][column - body] += value;
+                } else {
+                    rest[b] -= value * columns[column][0];
+                    for (entry, c) in dense[b].iter_mut().zip(&columns[column][1..]) {
+                        *entry -= value * c;
+                    }
+                }
+            }
+        }
+        let border = solve_dense(dense, rest)?;
+        let mut x: Vec<f64> =
+            columns.iter().map(|c| c[0] - c[1..].iter().zip(&border).map(|(a, b)| a * b).sum::<f64>()).collect();
+        x.extend(border);
+        x.iter().all(|v| v.is_finite()).then_some(x)
+    }
+
+    fn dense(&self, is_ring: bool) -> Vec<Vec<f64>> {
+        let (n, k) = (self.rows.len(), self.half_width);
+        let mut dense = vec![vec![0.0; n]; n];
+        for (i, row) in self.rows.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                let column = i as isize + j as isize - k as isize;
+                if (0..n as isize).contains(&column) || is_ring {
+                    dense[i][column.rem_euclid(n as isize) as usize] += value;
+                }
+            }
+        }
+        dense
+    }
+}
+
+/// Gaussian elimination of a plain band matrix without exchanging rows (the systems here are close to diagonally
+/// dominant); the columns become the solutions.
+fn eliminate(band: &mut [Vec<f64>], columns: &mut [Vec<f64>], k: usize) -> Option<()> {
+    let n = band.len();
+    for i in 0..n {
+        let pivot = band[i][k];
+        if pivot == 0.0 || !pivot.is_finite() {
+            return None;
+        }
+        for below in 1..=k.min(n - 1 - i) {
+            let factor = band[i + below][k - below] / pivot;
+            if factor == 0.0 {
+                continue;
+            }
+            for j in 0..=k {
+                let value = band[i][k + j];
+                band[i + below][k + j - below] -= factor * value;
+            }
+            let (head, tail) = columns.split_at_mut(i + below);
+            for (target, source) in tail[0].iter_mut().zip(&head[i]) {
+                *target -= factor * source;
+            }
+        }
+    }
+    for i in (0..n).rev() {
+        let (head, tail) = columns.split_at_mut(i + 1);
+        for ahead in 1..=k.min(n - 1 - i) {
+            let factor = band[i][k + ahead];
+            for (target, source) in head[i].iter_mut().zip(&tail[ahead - 1]) {
+                *target -= factor * source;
+            }
+        }
+        let pivot = band[i][k];
+        head[i].iter_mut().for_each(|value| *value /= pivot);
+    }
+    Some(())
+}
+
+fn solve_dense(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+    let n = matrix.len();
+    for i in 0..n {
+        let pivot = (i..n).max_by(|&a, &b| matrix[a][i].abs().total_cmp(&matrix[b][i].abs()))?;
+        matrix.swap(i, pivot);
+        right.swap(i, pivot);
+        if matrix[i][i] == 0.0 || !matrix[i][i].is_finite() {
+            return None;
+        }
+        for row in i + 1..n {
+            let factor = matrix[row][i] / matrix[i][i];
+            let (head, tail) = matrix.split_at_mut(row);
+            for (target, source) in tail[0][i..].iter_mut().zip(&head[i][i..]) {
+                *target -= factor * source;
+            }
+            right[row] -= factor * right[i];
+        }
+    }
+    for i in (0..n).rev() {
+        let sum: f64 = (i + 1..n).map(|j| matrix[i][j] * right[j]).sum();
+        right[i] = (right[i] - sum) / matrix[i][i];
+    }
+    right.iter().all(|v| v.is_finite()).then_some(right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chains_and_rings_of_all_sizes_are_solved() {
+        for (k, n) in (1..=2).flat_map(|k| (1..30).map(move |n| (k, n))) {
+            for is_ring in [false, true] {
+                let mut matrix = Banded::zero(n, k);
+                for i in 0..n {
+                    for offset in -(k as isize)..=k as isize {
+                        let value = ((i * 7 + (offset + 3) as usize * 5) % 11) as f64 / 11.0 - 0.5;
+                        matrix.add(i, offset, if offset == 0 { 4.0 + value } else { value });
+                    }
+                }
+                let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
+                let dense = matrix.dense(is_ring);
+                let right: Vec<f64> = dense.iter().map(|row| row.iter().zip(&x).map(|(a, b)| a * b).sum()).collect();
+                let found = matrix.solve(&right, is_ring).expect("a dominant diagonal");
+                for (a, b) in found.iter().zip(&x) {
+                    assert!((a - b).abs() < 1e-12, "k {k} n {n} ring {is_ring}: {a} {b}");
+                }
+            }
+        }
+    }
+}
