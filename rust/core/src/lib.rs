@@ -11,6 +11,7 @@
 
 pub mod adjacency;
 pub mod chain;
+pub mod check;
 pub mod error;
 pub mod filter;
 pub mod ids;

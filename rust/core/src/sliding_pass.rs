@@ -37,13 +37,17 @@ const GAIN: f64 = 1e-9;
 pub struct PassWork {
     unfolding: Unfolding,
     funnel: Funnel,
-    /// Changes kept at each mesh vertex so far.
-    changes: HashMap<VertexId, u32>,
-    /// Whether a vertex that was changed once is left alone: set when the line has come back to a strip.
+    /// At each mesh vertex so far: times that vertices of the line were freed on their own side, and passes kept.
+    changes: HashMap<VertexId, [u32; 2]>,
+    /// Whether a vertex that was passed once is left alone: set when the line has come back to a strip.
     pub is_strict: bool,
 }
 
-/// Changes at one mesh vertex after which the line stays there: it came back every time, so the side is no better once
+/// Places in [`PassWork::changes`].
+const FREED: usize = 0;
+const PASSED: usize = 1;
+
+/// Changes of one kind at one mesh vertex after which the line stays there: it came back every time, so the side is no better once
 /// the whole line has been relaxed, whatever the fan alone says.
 const MAX_CHANGES_AT_VERTEX: u32 = 3;
 
@@ -51,16 +55,14 @@ const MAX_CHANGES_AT_VERTEX: u32 = 3;
 ///
 /// Sliding one vertex at a time only approaches a mesh vertex: several crowd there, ever closer, and never arrive. A
 /// generous distance does no harm, since a pass is kept only if the filter's measure falls.
-pub fn merging_distance(threshold: f64) -> f64 {
-    (100.0 * threshold).clamp(1e-6, 1e-2)
-}
+pub const MERGING: f64 = 1e-2;
 
 /// The mesh vertex that a crossing has merged with.
-pub fn merged_vertex(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64, merging: f64) -> Option<VertexId> {
+pub fn merged_vertex(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64) -> Option<VertexId> {
     let [low, high] = mesh.sorted_ends(letter);
-    if t <= merging {
+    if t <= MERGING {
         Some(low)
-    } else if t >= 1.0 - merging {
+    } else if t >= 1.0 - MERGING {
         Some(high)
     } else {
         None
@@ -79,10 +81,10 @@ pub fn pass_vertices(
     let mut changes = 0;
     for leg in 0..route.legs.len() {
         if route.pins.is_empty() {
-            begin_between_vertices(mesh, route, merging_distance(threshold));
+            begin_between_vertices(mesh, route);
         }
         let mut from = 0;
-        while let Some((vertex, letters)) = next_run(mesh, route, leg, from, merging_distance(threshold)) {
+        while let Some((vertex, letters)) = next_run(mesh, route, leg, from) {
             from = letters.end;
             if let Some(new_end) = try_pass(mesh, route, leg, vertex, letters, filter, threshold, report, work) {
                 changes += 1;
@@ -97,9 +99,9 @@ pub fn pass_vertices(
 }
 
 /// Turns a closed word so that no run goes across its seam.
-fn begin_between_vertices(mesh: &SurfaceMesh, route: &mut Route, merging: f64) {
+fn begin_between_vertices(mesh: &SurfaceMesh, route: &mut Route) {
     let leg = &mut route.legs[0];
-    let vertex = |i: usize| merged_vertex(mesh, leg.word[i], leg.parameters[i], merging);
+    let vertex = |i: usize| merged_vertex(mesh, leg.word[i], leg.parameters[i]);
     let count = leg.word.len();
     let start = (0..count).find(|&i| vertex(i).is_none() || vertex(i) != vertex((i + count - 1) % count));
     if let Some(start) = start {
@@ -124,17 +126,11 @@ fn cancel_seam(mesh: &SurfaceMesh, route: &mut Route) {
 }
 
 /// The next mesh vertex on a leg from letter `from` on, and the letters that cross it.
-fn next_run(
-    mesh: &SurfaceMesh,
-    route: &Route,
-    leg: usize,
-    from: usize,
-    merging: f64,
-) -> Option<(VertexId, Range<usize>)> {
+fn next_run(mesh: &SurfaceMesh, route: &Route, leg: usize, from: usize) -> Option<(VertexId, Range<usize>)> {
     let leg = &route.legs[leg];
-    let (first, vertex) = (from..leg.word.len())
-        .find_map(|i| Some(i).zip(merged_vertex(mesh, leg.word[i], leg.parameters[i], merging)))?;
-    let is_here = |i: &usize| merged_vertex(mesh, leg.word[*i], leg.parameters[*i], merging) == Some(vertex);
+    let (first, vertex) =
+        (from..leg.word.len()).find_map(|i| Some(i).zip(merged_vertex(mesh, leg.word[i], leg.parameters[i])))?;
+    let is_here = |i: &usize| merged_vertex(mesh, leg.word[*i], leg.parameters[*i]) == Some(vertex);
     let end = (first + 1..leg.word.len()).find(|i| !is_here(i)).unwrap_or(leg.word.len());
     Some((vertex, first..end))
 }
@@ -152,10 +148,11 @@ fn try_pass(
     report: &mut Report,
     work: &mut PassWork,
 ) -> Option<usize> {
-    let most_changes = if work.is_strict { 1 } else { MAX_CHANGES_AT_VERTEX };
-    if !mesh.is_passable(vertex) || work.changes.get(&vertex).is_some_and(|&n| n >= most_changes) {
+    if !mesh.is_passable(vertex) {
         return None;
     }
+    let most_changes = [MAX_CHANGES_AT_VERTEX, if work.is_strict { 1 } else { MAX_CHANGES_AT_VERTEX }];
+    let changes = work.changes.get(&vertex).copied().unwrap_or_default();
     let word = &route.legs[leg].word;
     let centre = mesh.position(vertex);
     let (&before, &after) = (
@@ -175,16 +172,19 @@ fn try_pass(
         angle_out: angle_between(far(last), after - centre),
     };
     let sides = measure_sides(mesh, &run);
-    let own = (sides.own, route.legs[leg].word[letters.clone()].to_vec(), 0);
-    let other = (sides.other, if sides.other < PI { other_side_word(mesh, &run) } else { Vec::new() }, 1);
+    let own = (sides.own, route.legs[leg].word[letters.clone()].to_vec(), FREED);
+    let other = (sides.other, if sides.other < PI { other_side_word(mesh, &run) } else { Vec::new() }, PASSED);
     let both = if sides.own <= sides.other { [own, other] } else { [other, own] };
-    for (angle, fan, passes) in both {
+    for (angle, fan, kind) in both {
         if angle >= PI - ANGLE_SLACK {
             break;
         }
+        if changes[kind] >= most_changes[kind] {
+            continue;
+        }
         if let Some(end) = try_fan(mesh, route, leg, letters.clone(), fan, filter, threshold, report, work) {
-            report.vertex_passes += passes;
-            *work.changes.entry(vertex).or_insert(0) += 1;
+            report.vertex_passes += kind as u64;
+            work.changes.entry(vertex).or_default()[kind] += 1;
             return Some(end);
         }
     }

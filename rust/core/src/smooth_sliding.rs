@@ -16,7 +16,7 @@ use crate::relax::heap::{HeapEnd, relax_by_heap};
 use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::{Leg, Route, Spot, spot_of};
-use crate::sliding_pass::{PassWork, merging_distance, pass_vertices};
+use crate::sliding_pass::{MERGING, PassWork, pass_vertices};
 use crate::smooth::go_on;
 use crate::smooth_geodesic::points_of;
 use crate::strip::entered_triangle;
@@ -45,13 +45,14 @@ pub fn smooth_sliding(
     observer: &mut dyn Observer,
 ) -> Result<()> {
     let by_newton = options.filter == Filter::Linear && options.solver == Solver::Auto;
-    let threshold = if by_newton { NEWTON_TOLERANCE } else { options.threshold };
+    let last_threshold = if by_newton { NEWTON_TOLERANCE } else { options.threshold };
+    let is_staged = !by_newton && filter.reach() == 1;
+    let mut threshold = if is_staged { options.threshold.max(FIRST_THRESHOLD) } else { last_threshold };
     let limit = options.max_iterations.unwrap_or(PAPER_MAX_ITERATIONS);
     let crossings: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
     let most_moves = move_limit(crossings, filter.reach());
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
-    let merging = merging_distance(threshold);
     let own_repeats = OwnRepeats::of_route(mesh, route);
     loop {
         trim_legs(mesh, route);
@@ -88,29 +89,32 @@ pub fn smooth_sliding(
             }
             HeapEnd::Swinging | HeapEnd::Settled => {}
         }
-        if !touches_vertices(route, merging) {
-            report.stop_reason = if end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::Converged };
-            return Ok(());
-        }
         refuse_collapsed(mesh, route, report.iterations)?;
-        if report.iterations >= limit {
-            report.stop_reason = StopReason::MaxIterations;
-            return Ok(());
-        }
         go_on(observer, Step::VertexPass)?;
-        let mut changes = pass_vertices(mesh, route, filter, threshold, report, &mut work);
+        let has_rounds = report.iterations < limit;
+        let passes_before = report.vertex_passes;
+        let mut changes = if has_rounds { pass_vertices(mesh, route, filter, threshold, report, &mut work) } else { 0 };
         if changes > 0 {
             let cuts = own_repeats.cut_new_loops(mesh, route);
             report.loops_removed += cuts;
             changes += cuts;
-        }
-        if changes == 0 {
-            report.stop_reason =
-                if end == HeapEnd::Swinging { StopReason::Cycle } else { StopReason::ConvergedAtVertices };
+            refuse_collapsed(mesh, route, report.iterations)?;
+        } else if threshold > last_threshold && has_rounds {
+            threshold = (threshold * NEXT_THRESHOLD).max(last_threshold);
+            continue;
+        } else {
+            let has_merged = has_crossing_near_vertex(route, MERGING);
+            report.stop_reason = match end {
+                HeapEnd::Swinging => StopReason::Cycle,
+                // Whether step D would have found something to do was not asked.
+                _ if !has_rounds && (has_merged || threshold > last_threshold) => StopReason::MaxIterations,
+                _ if has_crossing_near_vertex(route, AT_VERTEX) => StopReason::ConvergedAtVertices,
+                _ => StopReason::Converged,
+            };
             return Ok(());
         }
-        refuse_collapsed(mesh, route, report.iterations)?;
-        if !seen.insert(state_of(route, merging)) {
+        // Freeing merged vertices leaves the strip as it was and is limited vertex by vertex.
+        if report.vertex_passes > passes_before && !seen.insert(state_of(route)) {
             if work.is_strict {
                 report.stop_reason = StopReason::Cycle;
                 return Ok(());
@@ -121,8 +125,18 @@ pub fn smooth_sliding(
     }
 }
 
-fn touches_vertices(route: &Route, merging: f64) -> bool {
-    route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t <= merging || t >= 1.0 - merging)
+/// Linear by heap: step C begins with this threshold, and goes on with finer ones when step D finds nothing to do. Passing
+/// vertices early spares most of the moves: a line that has to pass a vertex crowds there ever more slowly.
+const FIRST_THRESHOLD: f64 = 1e-3;
+
+/// Each finer threshold as a share of the one before.
+const NEXT_THRESHOLD: f64 = 0.1;
+
+/// A crossing nearer than this to a mesh vertex, in barycentric units, is at it when the stop reason is told.
+const AT_VERTEX: f64 = 1e-6;
+
+fn has_crossing_near_vertex(route: &Route, distance: f64) -> bool {
+    route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t <= distance || t >= 1.0 - distance)
 }
 
 /// Newton, and where it gets stuck (vertices that go on and off the ends of their edges) some moves of the heap and Newton
@@ -151,8 +165,8 @@ const NEWTON_STARTS: u32 = 12;
 const MOVES_BETWEEN_STARTS: u64 = 20;
 
 /// The strip of a route, and which crossings are at mesh vertices, in a form that is equal for equal ones.
-fn state_of(route: &Route, merging: f64) -> Vec<(HalfedgeId, u8)> {
-    let place = |t: f64| u8::from(t <= merging) + 2 * u8::from(t >= 1.0 - merging);
+fn state_of(route: &Route) -> Vec<(HalfedgeId, u8)> {
+    let place = |t: f64| u8::from(t <= MERGING) + 2 * u8::from(t >= 1.0 - MERGING);
     let mut state = Vec::new();
     for leg in &route.legs {
         state.extend(leg.word.iter().zip(&leg.parameters).map(|(&h, &t)| (h, place(t))));

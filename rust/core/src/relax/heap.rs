@@ -78,7 +78,7 @@ pub fn relax_by_heap(
             return HeapOutcome { moves, end: HeapEnd::Stopped };
         }
         moves += 1;
-        slide(beads, i, &mut swings[i]);
+        slide(beads, i, &mut swings[i], filter.reach() > 1);
         judge(beads, filter, i, threshold, &mut swings[i], &mut heap);
         for forward in [false, true] {
             let mut at = i;
@@ -98,11 +98,12 @@ pub fn relax_by_heap(
     HeapOutcome { moves, end }
 }
 
-/// Moves vertex `i` towards its target, all the way unless it is damped.
-fn slide(beads: &mut Beads, i: usize, swing: &mut Swing) {
+/// Moves vertex `i` towards its target, all the way unless it is damped. The linear filter, which looks at one neighbour a
+/// side, needs no damping: its vertices turn back by rounding alone, and damping would only slow them down.
+fn slide(beads: &mut Beads, i: usize, swing: &mut Swing, may_damp: bool) {
     let t = beads.parameters[i];
     let whole = swing.target - t;
-    if whole * swing.last_step < 0.0 {
+    if may_damp && whole * swing.last_step < 0.0 {
         swing.reversals += 1;
         if swing.reversals > FREE_REVERSALS {
             swing.damping *= DAMPING;
