@@ -33,6 +33,7 @@ pub fn check_polyline(mesh: &SurfaceMesh, line: &Polyline) -> Result<(), CheckEr
     let supports: Vec<Support> = line.surface_points.iter().map(|p| support_of(mesh, p)).collect();
     check_inner_points(mesh, line, &supports)?;
     check_segments(mesh, line, &supports)?;
+    check_joints(mesh, line, &supports)?;
     check_strip(mesh, line)?;
     walk_strip(mesh, line, &supports)?;
     check_pins(mesh, line, &supports)?;
@@ -74,11 +75,12 @@ fn check_sizes(mesh: &SurfaceMesh, line: &Polyline) -> Result<(), CheckError> {
         }
     }
     let triangles = mesh.triangles().len();
-    let in_range = |array, ids: &mut dyn Iterator<Item = TriangleId>| {
-        match ids.enumerate().find(|(_, t)| t.index() >= triangles) {
-            Some((place, t)) => Err(CheckError::TriangleOutOfRange { array, place, triangle: t.0, triangles }),
-            None => Ok(()),
-        }
+    let in_range = |array, ids: &mut dyn Iterator<Item = TriangleId>| match ids
+        .enumerate()
+        .find(|(_, t)| t.index() >= triangles)
+    {
+        Some((place, t)) => Err(CheckError::TriangleOutOfRange { array, place, triangle: t.0, triangles }),
+        None => Ok(()),
     };
     in_range("surface_points", &mut line.surface_points.iter().map(|p| p.triangle))?;
     in_range("segment_triangles", &mut line.segment_triangles.iter().copied())?;
@@ -128,6 +130,14 @@ fn check_segments(mesh: &SurfaceMesh, line: &Polyline, supports: &[Support]) -> 
         if position == line.points[second] && !has_coincident(mesh, &supports[first], &supports[second]) {
             return Err(CheckError::PointsEqual { first, second, position });
         }
+    }
+    Ok(())
+}
+
+/// The triangle changes only at points on what both triangles share.
+fn check_joints(mesh: &SurfaceMesh, line: &Polyline, supports: &[Support]) -> Result<(), CheckError> {
+    for (segment, &triangle) in line.segment_triangles.iter().enumerate() {
+        let second = (segment + 1) % supports.len();
         let Some(&to) = line.segment_triangles.get(if line.closed { second } else { segment + 1 }) else { continue };
         let is_joined = triangle == to
             || match supports[second].len() {
@@ -278,8 +288,8 @@ fn check_bytes(mesh: &SurfaceMesh, line: &Polyline) -> Result<(), CheckError> {
     for (field, is_equal) in [
         ("closed", back.closed == line.closed),
         ("route", back.route == line.route),
-        ("points", back.points == line.points),
         ("surface_points", back.surface_points == line.surface_points),
+        ("points", back.points == line.points),
         ("segment_triangles", back.segment_triangles == line.segment_triangles),
         ("strip", back.strip == line.strip),
     ] {
@@ -315,6 +325,7 @@ fn crossings_between(mesh: &SurfaceMesh, from: TriangleId, to: TriangleId) -> im
 fn has_coincident(mesh: &SurfaceMesh, a: &Support, b: &Support) -> bool {
     let mut corners: ArrayVec<VertexId, 6> = a.iter().chain(b).map(|&(vertex, _)| vertex).collect();
     corners.sort_unstable();
-    let is_twin = |i: usize, j: usize| corners[i] != corners[j] && mesh.position(corners[i]) == mesh.position(corners[j]);
+    let is_twin =
+        |i: usize, j: usize| corners[i] != corners[j] && mesh.position(corners[i]) == mesh.position(corners[j]);
     (0..corners.len()).any(|i| (0..i).any(|j| is_twin(i, j)))
 }
