@@ -7,12 +7,13 @@ use std::ops::ControlFlow;
 use crate::error::{Error, OptionError, Result};
 use crate::filter::cubic::Cubic;
 use crate::filter::linear::Linear;
-use crate::join::join_picks;
+use crate::join::{join_picks, pinned_after_merging};
 use crate::mesh::SurfaceMesh;
-use crate::options::{Filter, Options, Solver};
+use crate::options::{Filter, Options, Pinned, Solver};
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
 use crate::route::Route;
+use crate::smooth_fair::smooth_fair;
 use crate::smooth_geodesic::smooth_geodesic;
 use crate::smooth_sliding::smooth_sliding;
 use crate::surface_point::Pick;
@@ -31,7 +32,10 @@ pub fn polyline(
     options.check()?;
     let mut report = Report::default();
     go_on(observer, Step::Search)?;
-    let mut route = join_picks(mesh, picks, options, &mut report, observer)?;
+    // The input of `fair` runs through every pick, also those that are let go later.
+    let is_fair = options.filter == Filter::Fair;
+    let all_pinned = Options { pinned: Pinned::All, ..options.clone() };
+    let mut route = join_picks(mesh, picks, if is_fair { &all_pinned } else { options }, &mut report, observer)?;
     let start = assemble(mesh, route.clone(), Report::default());
     report.start_length = start.length();
     if options.stages {
@@ -53,7 +57,8 @@ pub fn polyline(
             smooth_sliding(mesh, &mut route, &Cubic { knots: options.knots }, options, &mut report, observer)?;
         }
         Filter::Fair => {
-            return Err(OptionError::new("filter", "this filter is not there yet; use \"geodesic\" or \"none\"").into());
+            let is_pinned = pinned_after_merging(mesh, picks, options)?;
+            smooth_fair(mesh, &mut route, &is_pinned, options, &mut report, observer)?;
         }
     }
     go_on(observer, Step::Assemble)?;

@@ -182,7 +182,7 @@ fn state_of(route: &Route) -> Vec<(HalfedgeId, u8)> {
 }
 
 /// A closed line whose strip is gone, or turns round a single vertex, has shrunk to a point.
-fn refuse_collapsed(mesh: &SurfaceMesh, route: &Route, iterations: u32) -> Result<()> {
+pub fn refuse_collapsed(mesh: &SurfaceMesh, route: &Route, iterations: u32) -> Result<()> {
     if !route.pins.is_empty() {
         return Ok(());
     }

@@ -5,6 +5,7 @@
 
 pub mod closed_geodesic;
 pub mod cubic;
+pub mod fair;
 pub mod geodesic;
 pub mod linear;
 

@@ -3,53 +3,95 @@
 //! Row `i` couples unknowns `i - k` to `i + k`; on a ring indices wrap. The last `k` unknowns are eliminated last (a Schur
 //! complement), which makes the rest a plain band matrix also on a ring. Holds linear algebra alone.
 
-/// A band matrix of half-width `k`; entry `(i, i + j - k)` is `rows[i][j]`, indices wrapping on a ring.
+/// A band matrix of half-width `k`; entry `(i, i + j - k)` is `entries[i * (2 k + 1) + j]`, indices wrapping on a ring.
 #[derive(Clone, Debug)]
 pub struct Banded {
     half_width: usize,
-    rows: Vec<Vec<f64>>,
+    entries: Vec<f64>,
 }
 
 impl Banded {
     /// The zero matrix of `count` rows.
     pub fn zero(count: usize, half_width: usize) -> Self {
-        Self { half_width, rows: vec![vec![0.0; 2 * half_width + 1]; count] }
+        Self { half_width, entries: vec![0.0; count * (2 * half_width + 1)] }
+    }
+
+    fn width(&self) -> usize {
+        2 * self.half_width + 1
+    }
+
+    fn count(&self) -> usize {
+        self.entries.len() / self.width()
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        &self.entries[i * self.width()..(i + 1) * self.width()]
     }
 
     /// Adds to the entry in row `i` at `offset` (from `-k` to `k`) from the diagonal.
     #[inline]
     pub fn add(&mut self, i: usize, offset: isize, value: f64) {
-        self.rows[i][(self.half_width as isize + offset) as usize] += value;
+        let place = i * self.width() + (self.half_width as isize + offset) as usize;
+        self.entries[place] += value;
+    }
+
+    /// Raises the diagonal entry of row `i` by a share of itself, and by the least number that is not zero.
+    #[inline]
+    pub fn stiffen(&mut self, i: usize, share: f64) {
+        let diagonal = i * self.width() + self.half_width;
+        self.entries[diagonal] += share * self.entries[diagonal] + f64::MIN_POSITIVE;
     }
 
     /// Makes row `i` the identity's.
     pub fn fix(&mut self, i: usize) {
-        self.rows[i].fill(0.0);
-        self.rows[i][self.half_width] = 1.0;
+        let (width, diagonal) = (self.width(), self.half_width);
+        let row = &mut self.entries[i * width..(i + 1) * width];
+        row.fill(0.0);
+        row[diagonal] = 1.0;
+    }
+
+    /// Sets all entries of column `i` off the diagonal to zero.
+    pub fn clear_column(&mut self, i: usize) {
+        let (n, k) = (self.count() as isize, self.half_width as isize);
+        for offset in (-k..=k).filter(|&offset| offset != 0) {
+            let row = (i as isize - offset).rem_euclid(n) as usize;
+            let place = row * self.width() + (k + offset) as usize;
+            self.entries[place] = 0.0;
+        }
+    }
+
+    /// The product with a vector.
+    pub fn multiply(&self, x: &[f64], is_ring: bool) -> Vec<f64> {
+        let (n, k) = (self.count(), self.half_width);
+        let entry = |i: usize, j: usize| {
+            let wraps = i + j < k || i + j - k >= n;
+            if wraps && !is_ring { 0.0 } else { x[(i + n * k + j - k) % n] }
+        };
+        let product = |i: usize| self.row(i).iter().enumerate().map(|(j, value)| value * entry(i, j)).sum();
+        (0..n).map(product).collect()
     }
 
     /// Solves for `right`, on a ring or a chain; `None` when a pivot vanishes. Small systems and the border are dense.
     pub fn solve(&self, right: &[f64], is_ring: bool) -> Option<Vec<f64>> {
-        let (n, k) = (self.rows.len(), self.half_width);
+        let (n, k, width) = (self.count(), self.half_width, self.width());
         if n <= 4 * k + 2 {
             return solve_dense(self.dense(is_ring), right.to_vec());
         }
         let body = n - k;
         // Columns to solve for: the right side, then the border columns.
-        let mut band: Vec<Vec<f64>> = self.rows[..body].to_vec();
-        let mut columns = vec![vec![0.0; k + 1]; body];
+        let mut band = self.entries[..body * width].to_vec();
+        let mut columns = vec![0.0; body * (k + 1)];
         for i in 0..body {
-            columns[i][0] = right[i];
-            for j in 0..=2 * k {
-                let column = (i + n + j - k) % n;
+            columns[i * (k + 1)] = right[i];
+            for j in 0..width {
                 let wraps = i + j < k || i + j - k >= n;
-                let value = if wraps && !is_ring { 0.0 } else { self.rows[i][j] };
-                if column >= body {
-                    columns[i][1 + column - body] += value;
-                    band[i][j] = 0.0;
-                } else if wraps {
-                    // Only the border can be reached across the seam when n > 4 k.
-                    band[i][j] = 0.0;
+                let column = (i + n + j - k) % n;
+                if column >= body && (is_ring || !wraps) {
+                    columns[i * (k + 1) + 1 + column - body] += band[i * width + j];
+                }
+                // Across the seam only the border can be reached, as n > 4 k.
+                if column >= body || wraps {
+                    band[i * width + j] = 0.0;
                 }
             }
         }
@@ -60,35 +102,36 @@ impl Banded {
         for b in 0..k {
             let i = body + b;
             rest[b] = right[i];
-            for j in 0..=2 * k {
+            for (j, &value) in self.row(i).iter().enumerate() {
                 let wraps = i + j < k || i + j - k >= n;
-                let value = if wraps && !is_ring { 0.0 } else { self.rows[i][j] };
+                if wraps && !is_ring {
+                    continue;
+                }
                 let column = (i + n + j - k) % n;
                 if column >= body {
                     dense[b][column - body] += value;
-                } else {
-                    rest[b] -= value * columns[column][0];
-                    for (entry, c) in dense[b].iter_mut().zip(&columns[column][1..]) {
-                        *entry -= value * c;
-                    }
+                    continue;
                 }
+                let solved = &columns[column * (k + 1)..(column + 1) * (k + 1)];
+                rest[b] -= value * solved[0];
+                dense[b].iter_mut().zip(&solved[1..]).for_each(|(entry, c)| *entry -= value * c);
             }
         }
         let border = solve_dense(dense, rest)?;
-        let mut x: Vec<f64> =
-            columns.iter().map(|c| c[0] - c[1..].iter().zip(&border).map(|(a, b)| a * b).sum::<f64>()).collect();
-        x.extend(border);
+        let body_value = |c: &[f64]| c[0] - c[1..].iter().zip(&border).map(|(a, b)| a * b).sum::<f64>();
+        let mut x: Vec<f64> = columns.chunks(k + 1).map(body_value).collect();
+        x.extend(&border);
         x.iter().all(|v| v.is_finite()).then_some(x)
     }
 
     fn dense(&self, is_ring: bool) -> Vec<Vec<f64>> {
-        let (n, k) = (self.rows.len(), self.half_width);
-        let mut dense = vec![vec![0.0; n]; n];
-        for (i, row) in self.rows.iter().enumerate() {
-            for (j, value) in row.iter().enumerate() {
-                let column = i as isize + j as isize - k as isize;
-                if (0..n as isize).contains(&column) || is_ring {
-                    dense[i][column.rem_euclid(n as isize) as usize] += value;
+        let (n, k) = (self.count() as isize, self.half_width as isize);
+        let mut dense = vec![vec![0.0; n as usize]; n as usize];
+        for (i, dense_row) in dense.iter_mut().enumerate() {
+            for (j, value) in self.row(i).iter().enumerate() {
+                let column = i as isize + j as isize - k;
+                if (0..n).contains(&column) || is_ring {
+                    dense_row[column.rem_euclid(n) as usize] += value;
                 }
             }
         }
@@ -96,40 +139,36 @@ impl Banded {
     }
 }
 
-/// Gaussian elimination of a plain band matrix without exchanging rows (the systems here are close to diagonally
-/// dominant); the columns become the solutions.
-fn eliminate(band: &mut [Vec<f64>], columns: &mut [Vec<f64>], k: usize) -> Option<()> {
-    let n = band.len();
+/// Gaussian elimination of a plain band matrix without exchanging rows (the systems here are symmetric and positive, or
+/// close to diagonally dominant); the columns become the solutions.
+fn eliminate(band: &mut [f64], columns: &mut [f64], k: usize) -> Option<()> {
+    let (width, count) = (2 * k + 1, k + 1);
+    let n = band.len() / width;
     for i in 0..n {
-        let pivot = band[i][k];
+        let pivot = band[i * width + k];
         if pivot == 0.0 || !pivot.is_finite() {
             return None;
         }
         for below in 1..=k.min(n - 1 - i) {
-            let factor = band[i + below][k - below] / pivot;
+            let factor = band[(i + below) * width + k - below] / pivot;
             if factor == 0.0 {
                 continue;
             }
             for j in 0..=k {
-                let value = band[i][k + j];
-                band[i + below][k + j - below] -= factor * value;
+                band[(i + below) * width + k + j - below] -= factor * band[i * width + k + j];
             }
-            let (head, tail) = columns.split_at_mut(i + below);
-            for (target, source) in tail[0].iter_mut().zip(&head[i]) {
-                *target -= factor * source;
+            for c in 0..count {
+                columns[(i + below) * count + c] -= factor * columns[i * count + c];
             }
         }
     }
     for i in (0..n).rev() {
-        let (head, tail) = columns.split_at_mut(i + 1);
-        for ahead in 1..=k.min(n - 1 - i) {
-            let factor = band[i][k + ahead];
-            for (target, source) in head[i].iter_mut().zip(&tail[ahead - 1]) {
-                *target -= factor * source;
-            }
+        for c in 0..count {
+            let known: f64 = (1..=k.min(n - 1 - i))
+                .map(|ahead| band[i * width + k + ahead] * columns[(i + ahead) * count + c])
+                .sum();
+            columns[i * count + c] = (columns[i * count + c] - known) / band[i * width + k];
         }
-        let pivot = band[i][k];
-        head[i].iter_mut().for_each(|value| *value /= pivot);
     }
     Some(())
 }
