@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use crate::error::{OptionError, Result};
 use crate::filter::fair::{END_GAP, Input, step_fair};
+use crate::ids::VertexId;
 use crate::join::merge_unpinned;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
@@ -30,7 +31,7 @@ const SETTLED_MOVE: f64 = 1e-7;
 /// Rounds without a limit of the caller's: each is one step, and moves the line over one row of mesh
 /// vertices at most.
 fn round_bound(letters: usize) -> u32 {
-    100 + letters.min(1 << 28) as u32 / 4
+    200 + 4 * letters.min(1 << 28) as u32
 }
 
 /// Smooths a route whose pins are *all* picks; those that `is_pinned` does not name are let go after they have shaped the
@@ -90,13 +91,15 @@ fn relax_route(
     let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
     let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
     let own_repeats = OwnRepeats::of_route(mesh, route);
-    let mut passed = HashMap::new();
+    let mut passed: HashMap<VertexId, u32> = HashMap::new();
     loop {
         trim_legs(mesh, route);
         let gapped = |t: &mut f64| *t = t.clamp(END_GAP, 1.0 - END_GAP);
         route.legs.iter_mut().flat_map(|leg| &mut leg.parameters).for_each(gapped);
         go_on(observer, Step::Relax)?;
-        let Some(step) = step_fair(mesh, route, input) else { return Ok(()) };
+        let is_blocked =
+            |v: VertexId| !mesh.is_passable(v) || passed.get(&v).is_some_and(|&times| times >= MAX_PASSES_AT_VERTEX);
+        let Some(step) = step_fair(mesh, route, input, is_blocked) else { return Ok(()) };
         report.newton_steps += 1;
         report.iterations += 1;
         if options.stages {
@@ -113,8 +116,9 @@ fn relax_route(
             report.loops_removed += own_repeats.cut_new_loops(mesh, route);
             refuse_collapsed(mesh, route, report.iterations)?;
         } else if step.largest_move <= SETTLED_MOVE {
-            let is_free = step.pressing.is_empty();
-            report.stop_reason = if is_free { StopReason::Converged } else { StopReason::ConvergedAtVertices };
+            let at_end = |&t: &f64| t <= END_GAP || t >= 1.0 - END_GAP;
+            let is_at_vertex = route.legs.iter().flat_map(|leg| &leg.parameters).any(at_end);
+            report.stop_reason = if is_at_vertex { StopReason::ConvergedAtVertices } else { StopReason::Converged };
             return Ok(());
         }
     }

@@ -12,10 +12,11 @@
 
 use glam::DVec3;
 
+use crate::ids::VertexId;
 use crate::mesh::SurfaceMesh;
 use crate::relax::banded::Banded;
 use crate::route::Route;
-use crate::turns::LineTurns;
+use crate::turns::{LineTurns, Node};
 
 /// Segments shorter than this share of the mean count as that long in weights, so that a crowd of crossings at a mesh
 /// vertex does not swamp the rest of the system.
@@ -26,10 +27,10 @@ const SHORTEST_SHARE: f64 = 1e-3;
 pub const END_GAP: f64 = 1e-4;
 
 /// Shares of a step that are tried: 1, 1/2, 1/4, ...
-const MAX_HALVINGS: u32 = 10;
+const MAX_HALVINGS: i32 = 8;
 
-/// Changes of the set of crossings that are held at an end of their edge; measured: 2 to 15.
-const MAX_HOLDS: u32 = 40;
+/// Times that crossings which must stay at the end of their edge are held there and the others solved for again.
+const MAX_HOLDS: u32 = 8;
 
 /// Added to the diagonal, relative to it, so that a crossing that nothing depends on stays where it is.
 const STIFFENING: f64 = 1e-9;
@@ -59,17 +60,37 @@ pub struct FairStep {
 }
 
 /// One Gauss-Newton step on the strip of `route`; where no share of it lowers the energy, nothing moves and
-/// `largest_move` is 0. `None` for a line of a single point. Cost: O(crossings) for each change of the held set.
-pub fn step_fair(mesh: &SurfaceMesh, route: &mut Route, input: &Input) -> Option<FairStep> {
+/// `largest_move` is 0. `None` for a line of a single point.
+///
+/// Crossings that come to the end of their edge on the way stop there and are `pressing`. Those that press against a
+/// vertex that `is_blocked` names are held, and the others solved for again. Cost: O(crossings).
+pub fn step_fair(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    input: &Input,
+    is_blocked: impl Fn(VertexId) -> bool,
+) -> Option<FairStep> {
     let line = LineTurns::of_route(mesh, route)?;
     let weights = Weights::new(&line, input);
     let before = weights.energy(&line);
-    let (step, is_pressing) = solve_held(&line, &weights)?;
-    let pressing =
-        line.nodes.iter().zip(&is_pressing).filter(|&(_, &p)| p).filter_map(|(node, _)| node.crossing).collect();
+    let end_of = |node: &Node, change: f64| {
+        let (leg, letter) = node.crossing?;
+        let [low, high] = mesh.sorted_ends(route.legs[leg].word[letter]);
+        Some(if change < 0.0 { low } else { high })
+    };
+    let (step, is_held) = solve_held(&line, &weights, |node, change| end_of(node, change).is_some_and(&is_blocked))?;
+    // How much of the step each crossing can take before it comes to the end of its edge.
+    let room: Vec<f64> = line.nodes.iter().zip(&step).map(|(node, &change)| room_for(node, change)).collect();
+    let pressing_within = |share: f64| {
+        let presses = |i: &usize| line.nodes[*i].crossing.is_some() && !is_held[*i] && room[*i] <= share;
+        (0..line.nodes.len()).filter(presses).filter_map(|i| line.nodes[i].crossing).collect::<Vec<_>>()
+    };
+    // The largest share that lowers the energy; a crossing that stops on the way makes a kink, which may cost more than the
+    // rest gains. Up to where the first one stops there is none.
+    let first_stop = room.iter().copied().filter(|&r| r > 0.0).fold(1.0, f64::min);
+    let halves = (0..MAX_HALVINGS).map(|k| 0.5f64.powi(k)).take_while(|&share| share > first_stop);
     let start = route.clone();
-    let mut share = 1.0;
-    for _ in 0..MAX_HALVINGS {
+    for share in halves.chain([first_stop, 0.5 * first_stop, 0.1 * first_stop]) {
         let mut largest_move: f64 = 0.0;
         for (node, change) in line.nodes.iter().zip(&step) {
             if let Some((leg, letter)) = node.crossing {
@@ -80,36 +101,38 @@ pub fn step_fair(mesh: &SurfaceMesh, route: &mut Route, input: &Input) -> Option
         }
         let after = weights.energy(&LineTurns::of_route(mesh, route)?);
         if after < before {
+            let pressing = pressing_within(share);
             return Some(FairStep { before, after, largest_move: largest_move / weights.mean, pressing });
         }
-        share *= 0.5;
     }
     *route = start;
-    Some(FairStep { before, after: before, largest_move: 0.0, pressing })
+    Some(FairStep { before, after: before, largest_move: 0.0, pressing: pressing_within(0.0) })
 }
 
-/// The step that minimises the linearised energy with all crossings on their edges, by a primal-dual active set: crossings
-/// that would leave go to the end of their edge and stay there as long as they press against it.
-///
-/// Source: M. Hintermueller, K. Ito, K. Kunisch 2002, *The Primal-Dual Active Set Strategy as a Semismooth Newton Method*.
-fn solve_held(line: &LineTurns, weights: &Weights) -> Option<(Vec<f64>, Vec<bool>)> {
+/// The share of a change that a crossing can take; above 1 where it does not come to the end of its edge.
+fn room_for(node: &Node, change: f64) -> f64 {
+    let limit = if change < 0.0 { END_GAP } else { 1.0 - END_GAP };
+    if change == 0.0 || node.crossing.is_none() { f64::INFINITY } else { ((limit - node.parameter) / change).max(0.0) }
+}
+
+/// The unconstrained step, with those crossings held that are at the end of their edge and `must_stay` there. Tells which
+/// are held.
+fn solve_held(
+    line: &LineTurns,
+    weights: &Weights,
+    must_stay: impl Fn(&Node, f64) -> bool,
+) -> Option<(Vec<f64>, Vec<bool>)> {
     let (matrix, right) = weights.assemble(line);
     let mut held: Vec<Option<f64>> = vec![None; line.nodes.len()];
     let mut step = matrix.solve(&right, line.closed)?;
     for _ in 0..MAX_HOLDS {
-        let product = matrix.multiply(&step, line.closed);
         let mut is_changed = false;
-        for (i, node) in line.nodes.iter().enumerate().filter(|(_, node)| node.crossing.is_some()) {
-            let (to_low, to_high) = (END_GAP - node.parameter, 1.0 - END_GAP - node.parameter);
-            let force = right[i] - product[i];
-            let next = match held[i] {
-                None if step[i] < to_low => Some(to_low),
-                None if step[i] > to_high => Some(to_high),
-                Some(value) if (value == to_low && force < 0.0) || (value == to_high && force > 0.0) => Some(value),
-                _ => None,
-            };
-            is_changed |= next != held[i];
-            held[i] = next;
+        for (i, node) in line.nodes.iter().enumerate() {
+            let presses = held[i].is_none() && room_for(node, step[i]) <= 0.0;
+            if presses && must_stay(node, step[i]) {
+                held[i] = Some(0.0);
+                is_changed = true;
+            }
         }
         if !is_changed {
             break;
