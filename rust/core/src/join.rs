@@ -3,7 +3,6 @@
 //! Holds the rules of the contract about picks (equal ones, closed lines, which are pinned). Does no smoothing.
 
 use crate::error::{Error, OptionError, Result};
-use crate::ids::HalfedgeId;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Options, Pinned};
 use crate::report::{Observer, Report};
@@ -21,12 +20,7 @@ struct Station {
     pick_index: usize,
 }
 
-/// The picks' flags after equal neighbours were merged: whether each remaining pick is pinned.
-pub fn pinned_after_merging(mesh: &SurfaceMesh, picks: &[Pick], options: &Options) -> Result<Vec<bool>> {
-    Ok(resolve_stations(mesh, picks, options)?.iter().map(|s| s.is_pinned).collect())
-}
-
-/// Joins picks by step B into a route through midpoints, and notes pops and the strip's size in `report`.
+/// Joins picks by step B into a route through midpoints, and notes pops in `report`.
 ///
 /// # Errors
 /// Picks that are out of range or too few, `pinned` that does not fit, picks that are not connected, and
@@ -39,57 +33,7 @@ pub fn join_picks(
     observer: &mut dyn Observer,
 ) -> Result<Route> {
     let stations = resolve_stations(mesh, picks, options)?;
-    let route = join_stations(mesh, &stations, options.closed, report, observer)?;
-    report.strip_triangles = route.legs.iter().map(|leg| leg.word.len()).sum::<usize>() + usize::from(!options.closed);
-    Ok(route)
-}
-
-/// Lets go of the pins that `is_pinned` does not name: the legs on both sides of each become one, and backtracks there
-/// cancel. Crossings keep their places.
-///
-/// # Errors
-/// [`Error::Collapsed`] when nothing is left of a closed line.
-pub fn merge_unpinned(mesh: &SurfaceMesh, route: &mut Route, is_pinned: &[bool]) -> Result<()> {
-    if is_pinned.iter().all(|&p| p) {
-        return Ok(());
-    }
-    let count = route.pins.len();
-    let start = is_pinned.iter().position(|&p| p).unwrap_or(0);
-    let mut legs: Vec<Leg> = Vec::new();
-    for step in 0..route.legs.len() {
-        let i = (start + step) % count;
-        let leg = &route.legs[i];
-        if step == 0 || is_pinned[i] {
-            legs.push(leg.clone());
-            continue;
-        }
-        let join = route.join(mesh, i).unwrap_or_default();
-        if let Some(merged) = legs.last_mut() {
-            append_reduced(mesh, merged, join.into_iter().map(|h| (h, 0.5)));
-            append_reduced(mesh, merged, leg.word.iter().copied().zip(leg.parameters.iter().copied()));
-        }
-    }
-    let pins = (0..count).map(|k| (start + k) % count).filter(|&i| is_pinned[i]).map(|i| route.pins[i]).collect();
-    if !is_pinned.contains(&true) {
-        let join = route.join(mesh, start).unwrap_or_default();
-        let ring = &mut legs[0];
-        append_reduced(mesh, ring, join.into_iter().map(|h| (h, 0.5)));
-        let length = ring.word.len();
-        // Cutting nothing cancels what goes back and forth across the seam.
-        ring.cut(mesh, length, 0, true);
-        if ring.word.is_empty() {
-            return Err(Error::Collapsed { iterations: 0 });
-        }
-    }
-    (route.pins, route.legs) = (pins, legs);
-    Ok(())
-}
-
-fn append_reduced(mesh: &SurfaceMesh, leg: &mut Leg, letters: impl Iterator<Item = (HalfedgeId, f64)>) {
-    for (letter, t) in letters {
-        push_reduced(mesh, &mut leg.word, letter);
-        leg.parameters.resize(leg.word.len(), t);
-    }
+    join_stations(mesh, &stations, options.closed, report, observer)
 }
 
 fn resolve_stations(mesh: &SurfaceMesh, picks: &[Pick], options: &Options) -> Result<Vec<Station>> {

@@ -27,12 +27,10 @@ pub mod route;
 pub mod search;
 pub mod sliding_pass;
 pub mod smooth;
-pub mod smooth_fair;
 pub mod smooth_geodesic;
 pub mod smooth_sliding;
 pub mod strip;
 pub mod surface_point;
-pub mod turns;
 pub mod unfold;
 pub mod vertex_pass;
 

@@ -9,7 +9,7 @@ use crate::error::OptionError;
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::mesh::SurfaceMesh;
 use crate::report::Report;
-use crate::route::{Leg, Route, Spot, crossing_point, crossing_spot, spot_of};
+use crate::route::{Leg, Route, Spot, crossing_point, crossing_spot, spot_of, triangles_round};
 use crate::strip::{decode_word, encode_word, entered_triangle};
 use crate::surface_point::SurfacePoint;
 
@@ -132,6 +132,10 @@ fn walk(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<TriangleId>, Vec<Stop>
                 Stop { spot: spot_of(mesh, pin), surface_point: *pin, after: triangle, is_pin: true },
             );
         }
+        // The triangle that the walk is in must hold the pin; the bytes of a line may say anything.
+        if route.pins.get(k).is_some_and(|pin| !triangles_round(mesh, pin).contains(&triangle)) {
+            return None;
+        }
         let Some(leg) = route.legs.get(k) else { continue };
         if leg.first != triangle {
             return None;
@@ -156,37 +160,24 @@ fn walk(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<TriangleId>, Vec<Stop>
         if strip.len() > 1 && strip.last() == strip.first() {
             strip.pop();
         }
-        while stops.len() > 1
-            && stops.first().zip(stops.last()).is_some_and(|(a, b)| a.spot == b.spot && !b.is_inside())
-        {
+        while stops.len() > 1 && stops.first().zip(stops.last()).is_some_and(|(a, b)| a.is_same_place(b)) {
             stops.pop();
-        }
-    } else if let Some(pin) = route.pins.last() {
-        // The strip must end where the last pin is, also when the fan round it was not walked.
-        if join_missing(mesh, pin, triangle) {
-            return None;
         }
     }
     Some((strip, stops))
 }
 
-fn join_missing(mesh: &SurfaceMesh, pin: &SurfacePoint, last: TriangleId) -> bool {
-    !crate::route::triangles_round(mesh, pin).contains(&last)
-}
-
 impl Stop {
-    fn is_inside(&self) -> bool {
-        matches!(self.spot, Spot::Inside(_))
+    fn is_same_place(&self, other: &Self) -> bool {
+        let is_inside = matches!(self.spot, Spot::Inside(_));
+        self.spot == other.spot && (!is_inside || self.surface_point.barycentric == other.surface_point.barycentric)
     }
 }
 
 /// Appends a stop, or merges it with the one before when both are at the same place of the mesh.
 fn push_stop(stops: &mut Vec<Stop>, stop: Stop) {
     match stops.last_mut() {
-        Some(last)
-            if last.spot == stop.spot
-                && (!last.is_inside() || last.surface_point.barycentric == stop.surface_point.barycentric) =>
-        {
+        Some(last) if last.is_same_place(&stop) => {
             last.after = stop.after;
             // A pin keeps its own coordinates, which the caller gave.
             if stop.is_pin && !last.is_pin {

@@ -12,6 +12,7 @@ use std::ops::{ControlFlow, Range};
 
 use glam::DVec3;
 
+use crate::filter::geodesic::unwind;
 use crate::filter::{Edge, Side, SlidingFilter};
 use crate::ids::{HalfedgeId, VertexId};
 use crate::mesh::SurfaceMesh;
@@ -19,7 +20,7 @@ use crate::relax::beads::Beads;
 use crate::relax::funnel::{Funnel, shortest_crossings};
 use crate::relax::heap::relax_by_heap;
 use crate::report::Report;
-use crate::route::{Leg, Route, crossing_position, parameter_at};
+use crate::route::{Route, crossing_position, parameter_at};
 use crate::unfold::Unfolding;
 use crate::vertex_pass::{ANGLE_SLACK, Run, angle_between, measure_sides, other_side_word};
 
@@ -153,6 +154,16 @@ fn try_pass(
     }
     let most_changes = [MAX_CHANGES_AT_VERTEX, if work.is_strict { 1 } else { MAX_CHANGES_AT_VERTEX }];
     let changes = work.changes.get(&vertex).copied().unwrap_or_default();
+    if let Some(rest) = unwind(mesh, &route.legs[leg].word[letters.clone()]) {
+        // Whole turns round the vertex are a loop, whatever the angles; what is left of the run crosses the vertex itself.
+        let (window, rest) = reduced(mesh, &route.legs[leg].word, letters, rest);
+        let parameters: Vec<f64> = rest.iter().map(|&h| parameter_at(mesh, h, vertex)).collect();
+        let end = window.start + rest.len();
+        route.legs[leg].word.splice(window.clone(), rest);
+        route.legs[leg].parameters.splice(window, parameters);
+        report.loops_removed += 1;
+        return Some(end);
+    }
     let word = &route.legs[leg].word;
     let centre = mesh.position(vertex);
     let (&before, &after) = (
@@ -237,55 +248,6 @@ fn try_fan(
     leg.word.splice(window.clone(), fan);
     leg.parameters.splice(window, parameters);
     Some(new_end)
-}
-
-/// Moves a line over the mesh vertices that its crossings press against: the run there is replaced by the spokes of the
-/// other side, crossed at the distance `gap` from the vertex, so that the line hardly moves. Vertices that were passed
-/// `most` times, and those that cannot be passed, stay. Returns how many were passed.
-///
-/// `pressing` are leg and letter of crossings at most `gap` from the end that they press against.
-pub fn pass_pressed(
-    mesh: &SurfaceMesh,
-    route: &mut Route,
-    pressing: &[(usize, usize)],
-    gap: f64,
-    most: u32,
-    passed: &mut HashMap<VertexId, u32>,
-) -> u64 {
-    let mut passes = 0;
-    // From the last to the first, so that letters before a change keep their places.
-    let mut first_changed = (usize::MAX, usize::MAX);
-    for &(leg, letter) in pressing.iter().rev() {
-        if (leg, letter) >= first_changed {
-            continue;
-        }
-        let Leg { word, parameters, .. } = &route.legs[leg];
-        let [low, high] = mesh.sorted_ends(word[letter]);
-        let vertex = if parameters[letter] < 0.5 { low } else { high };
-        let is_at = |i: usize| {
-            mesh.touches(word[i], vertex) && (parameters[i] - parameter_at(mesh, word[i], vertex)).abs() <= 2.0 * gap
-        };
-        let start = (0..=letter).rev().take_while(|&i| is_at(i)).last().unwrap_or(letter);
-        let end = (letter..word.len()).take_while(|&i| is_at(i)).last().unwrap_or(letter) + 1;
-        let times = passed.entry(vertex).or_insert(0);
-        if !mesh.is_passable(vertex) || *times >= most || (leg, end) > first_changed {
-            continue;
-        }
-        *times += 1;
-        passes += 1;
-        let run = Run { vertex, first: word[start], last: word[end - 1], angle_in: 0.0, angle_out: 0.0 };
-        let (window, fan) = reduced(mesh, word, start..end, other_side_word(mesh, &run));
-        let near = |&h: &HalfedgeId| (parameter_at(mesh, h, vertex) - gap).abs();
-        let fan_parameters: Vec<f64> = fan.iter().map(near).collect();
-        first_changed = (leg, window.start);
-        let leg = &mut route.legs[leg];
-        leg.word.splice(window.clone(), fan);
-        leg.parameters.splice(window, fan_parameters);
-    }
-    if route.pins.is_empty() {
-        cancel_seam(mesh, route);
-    }
-    passes
 }
 
 /// The letters to replace and the letters to put there, after backtracks at both seams have cancelled.

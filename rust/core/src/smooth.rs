@@ -7,13 +7,12 @@ use std::ops::ControlFlow;
 use crate::error::{Error, OptionError, Result};
 use crate::filter::cubic::Cubic;
 use crate::filter::linear::Linear;
-use crate::join::{join_picks, pinned_after_merging};
+use crate::join::join_picks;
 use crate::mesh::SurfaceMesh;
-use crate::options::{Filter, Options, Pinned, Solver};
+use crate::options::{Filter, Options, Solver};
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
 use crate::route::Route;
-use crate::smooth_fair::smooth_fair;
 use crate::smooth_geodesic::smooth_geodesic;
 use crate::smooth_sliding::smooth_sliding;
 use crate::surface_point::Pick;
@@ -32,12 +31,10 @@ pub fn polyline(
     options.check()?;
     let mut report = Report::default();
     go_on(observer, Step::Search)?;
-    // The input of `fair` runs through every pick, also those that are let go later.
-    let is_fair = options.filter == Filter::Fair;
-    let all_pinned = Options { pinned: Pinned::All, ..options.clone() };
-    let mut route = join_picks(mesh, picks, if is_fair { &all_pinned } else { options }, &mut report, observer)?;
+    let mut route = join_picks(mesh, picks, options, &mut report, observer)?;
     let start = assemble(mesh, route.clone(), Report::default());
     report.start_length = start.length();
+    report.strip_triangles = start.strip.len();
     if options.stages {
         report.stages.push(start.points);
     }
@@ -57,12 +54,18 @@ pub fn polyline(
             smooth_sliding(mesh, &mut route, &Cubic { knots: options.knots }, options, &mut report, observer)?;
         }
         Filter::Fair => {
-            let is_pinned = pinned_after_merging(mesh, picks, options)?;
-            smooth_fair(mesh, &mut route, &is_pinned, options, &mut report, observer)?;
+            let message =
+                "\"fair\" is not available in this version; use \"geodesic\", \"linear\", \"cubic\" or \"none\"";
+            return Err(OptionError::new("filter", message).into());
         }
     }
     go_on(observer, Step::Assemble)?;
-    Ok(assemble(mesh, route, report))
+    let line = assemble(mesh, route, report);
+    // A single pin does not hold a closed line open.
+    if line.closed && line.points.len() < 2 {
+        return Err(Error::Collapsed { iterations: line.report.iterations });
+    }
+    Ok(line)
 }
 
 /// Several lines on one set of picks: one result for each of `connections`, which are pairs of positions in `picks`.

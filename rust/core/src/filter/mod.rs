@@ -5,7 +5,6 @@
 
 pub mod closed_geodesic;
 pub mod cubic;
-pub mod fair;
 pub mod geodesic;
 pub mod linear;
 

@@ -35,40 +35,12 @@ impl Banded {
         self.entries[place] += value;
     }
 
-    /// Raises the diagonal entry of row `i` by a share of itself, and by the least number that is not zero.
-    #[inline]
-    pub fn stiffen(&mut self, i: usize, share: f64) {
-        let diagonal = i * self.width() + self.half_width;
-        self.entries[diagonal] += share * self.entries[diagonal] + f64::MIN_POSITIVE;
-    }
-
     /// Makes row `i` the identity's.
     pub fn fix(&mut self, i: usize) {
         let (width, diagonal) = (self.width(), self.half_width);
         let row = &mut self.entries[i * width..(i + 1) * width];
         row.fill(0.0);
         row[diagonal] = 1.0;
-    }
-
-    /// Sets all entries of column `i` off the diagonal to zero.
-    pub fn clear_column(&mut self, i: usize) {
-        let (n, k) = (self.count() as isize, self.half_width as isize);
-        for offset in (-k..=k).filter(|&offset| offset != 0) {
-            let row = (i as isize - offset).rem_euclid(n) as usize;
-            let place = row * self.width() + (k + offset) as usize;
-            self.entries[place] = 0.0;
-        }
-    }
-
-    /// The product with a vector.
-    pub fn multiply(&self, x: &[f64], is_ring: bool) -> Vec<f64> {
-        let (n, k) = (self.count(), self.half_width);
-        let entry = |i: usize, j: usize| {
-            let wraps = i + j < k || i + j - k >= n;
-            if wraps && !is_ring { 0.0 } else { x[(i + n * k + j - k) % n] }
-        };
-        let product = |i: usize| self.row(i).iter().enumerate().map(|(j, value)| value * entry(i, j)).sum();
-        (0..n).map(product).collect()
     }
 
     /// Solves for `right`, on a ring or a chain; `None` when a pivot vanishes. Small systems and the border are dense.
