@@ -62,8 +62,8 @@ impl Adjacency {
                 adjacency.spokes[v as usize] = (3 * f + c) as u32;
             }
         }
-        for v in 0..vertex_count {
-            let kind = adjacency.classify(triangles, VertexId(v as u32), corner_counts[v]);
+        for (v, &corner_count) in corner_counts.iter().enumerate() {
+            let kind = adjacency.classify(triangles, VertexId(v as u32), corner_count);
             adjacency.kinds[v] = kind;
             match kind {
                 VertexKind::Unreferenced => counts.unreferenced_vertices += 1,
@@ -134,8 +134,7 @@ impl Adjacency {
         let first = HalfedgeId(self.spokes[vertex.index()]);
         let mut walked = 1;
         let mut exit = first;
-        loop {
-            let Some(twin) = self.twin(exit) else { break };
+        while let Some(twin) = self.twin(exit) {
             exit = other_spoke(triangles, twin, vertex);
             if exit == first {
                 return if walked == corner_count { VertexKind::Inner } else { VertexKind::Pinched };

@@ -177,7 +177,7 @@ impl DualGraph {
             visit.stamp = closed;
             let cost = visit.cost;
             pops += 1;
-            if pops.is_multiple_of(POPS_PER_OBSERVATION) && observer.step(Step::Search) == ControlFlow::Break(()) {
+            if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
                 return Err(Error::Interrupted);
             }
             if goals.contains(&id) {

@@ -49,7 +49,8 @@ impl SurfacePoint {
     pub fn checked(triangle: TriangleId, barycentric: [f64; 3], argument: &'static str) -> Result<Self, OptionError> {
         let sum: f64 = barycentric.iter().sum();
         let is_inside = barycentric.iter().all(|&b| b >= -BARYCENTRIC_SLACK);
-        if !is_inside || !((sum - 1.0).abs() <= BARYCENTRIC_SUM_SLACK) {
+        let is_whole = (sum - 1.0).abs() <= BARYCENTRIC_SUM_SLACK;
+        if !is_inside || !is_whole {
             return Err(OptionError::new(
                 argument,
                 format!(

@@ -55,7 +55,7 @@ pub struct GeodesicLeg {
     pub dropped_at_start: Vec<HalfedgeId>,
     /// Letters dropped at the end, in the order of the word.
     pub dropped_at_end: Vec<HalfedgeId>,
-    /// Whether a vertex was left because of [`MAX_CHANGES_AT_VERTEX`].
+    /// Whether a vertex was left because it had changed too often.
     pub is_capped: bool,
 }
 

@@ -69,8 +69,8 @@ pub fn relax_by_heap(
     let mut heap = ErrorHeap::new(beads.len());
     let start = Swing { target: 0.0, damping: 1.0, last_step: 0.0, reversals: 0 };
     let mut swings = vec![start; beads.len()];
-    for i in 0..beads.len() {
-        judge(beads, filter, i, threshold, &mut swings[i], &mut heap);
+    for (i, swing) in swings.iter_mut().enumerate() {
+        judge(beads, filter, i, threshold, swing, &mut heap);
     }
     let mut moves = 0;
     while let Some(i) = heap.first() {
