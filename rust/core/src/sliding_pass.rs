@@ -40,7 +40,7 @@ pub struct PassWork {
     funnel: Funnel,
     /// At each mesh vertex so far: times that vertices of the line were freed on their own side, and passes kept.
     changes: HashMap<VertexId, [u32; 2]>,
-    /// Whether a vertex that was passed once is left alone: set when the line has come back to a strip.
+    /// Whether a vertex that was changed once is left alone: set when the line has come back to a strip, or found no rest.
     pub is_strict: bool,
 }
 
@@ -152,7 +152,7 @@ fn try_pass(
     if !mesh.is_passable(vertex) {
         return None;
     }
-    let most_changes = [MAX_CHANGES_AT_VERTEX, if work.is_strict { 1 } else { MAX_CHANGES_AT_VERTEX }];
+    let most_changes = if work.is_strict { 1 } else { MAX_CHANGES_AT_VERTEX };
     let changes = work.changes.get(&vertex).copied().unwrap_or_default();
     if let Some(rest) = unwind(mesh, &route.legs[leg].word[letters.clone()]) {
         // Whole turns round the vertex are a loop, whatever the angles; what is left of the run crosses the vertex itself.
@@ -190,7 +190,7 @@ fn try_pass(
         if angle >= PI - ANGLE_SLACK {
             break;
         }
-        if changes[kind] >= most_changes[kind] {
+        if changes[kind] >= most_changes {
             continue;
         }
         if let Some(end) = try_fan(mesh, route, leg, letters.clone(), fan, filter, threshold, report, work) {

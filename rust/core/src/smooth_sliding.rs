@@ -53,12 +53,21 @@ pub fn smooth_sliding(
     let most_moves = move_limit(crossings, filter.reach());
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
+    // The line before the last passes, when Newton had brought it to rest.
+    let mut settled: Option<Route> = None;
     let own_repeats = OwnRepeats::of_route(mesh, route);
     loop {
         trim_legs(mesh, route);
         go_on(observer, Step::Relax)?;
         let mut beads = Beads::of_route(mesh, route);
-        let end = if by_newton && settle_by_newton(&mut beads, filter, report) {
+        let is_newton = by_newton && settle_by_newton(&mut beads, filter, report);
+        if let (true, false, Some(before)) = (by_newton, is_newton, settled.take()) {
+            // The passes of the last round lead to a strip on which the line does not come to rest: without them.
+            *route = before;
+            work.is_strict = true;
+            continue;
+        }
+        let end = if is_newton {
             HeapEnd::Settled
         } else {
             // Also where Newton did not settle: the heap goes on from the best place that it found.
@@ -81,6 +90,9 @@ pub fn smooth_sliding(
         report.iterations += 1;
         if options.stages {
             report.stages.extend(points_of(mesh, route));
+        }
+        if is_newton {
+            settled = Some(route.clone());
         }
         match end {
             HeapEnd::Stopped => {
@@ -159,7 +171,7 @@ fn settle_by_newton(beads: &mut Beads, filter: &impl SlidingFilter, report: &mut
 const MOVES_AFTER_NEWTON: u64 = 500;
 
 /// Times that Newton is tried within one step C.
-const NEWTON_STARTS: u32 = 12;
+const NEWTON_STARTS: u32 = 8;
 
 /// Moves of the heap between two tries, for each vertex.
 const MOVES_BETWEEN_STARTS: u64 = 20;
