@@ -6,9 +6,9 @@ horn, enclose the ear: whoever starts on its tip and never crosses a strip must 
 
 import numpy as np
 import pytest
-from meshes import load_shared_mesh
 
 import smooth_polylines as sp
+from meshes import load_shared_mesh
 
 # Points in the mesh's own units, read off the meshes: where the line starts and ends, the pick below the ear, the pick
 # between ear and horn, the tips of ear and horn, and a place far away (all on the same side of the head).
@@ -58,9 +58,7 @@ class Head:
     def lines(self, options):
         ends = [self.places["start"], self.places["end"]]
         routes = {"free": [], "below": [self.places["below"]], "between": [self.places["between"]]}
-        return {
-            name: self.mesh.polyline([ends[0], *inner, ends[1]], **options) for name, inner in routes.items()
-        }
+        return {name: self.mesh.polyline([ends[0], *inner, ends[1]], **options) for name, inner in routes.items()}
 
     def reach(self, start, walls):
         """Triangles that can be reached from `start` across edges without entering one of `walls`."""

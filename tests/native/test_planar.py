@@ -47,7 +47,7 @@ def test_linear_with_a_tiny_threshold_is_straight(name):
 
 @pytest.mark.parametrize("name", PLANES)
 def test_the_heap_is_straight_where_it_says_that_it_converged(name):
-    """One vertex at a time is coordinate descent: on edges that lie along the line it can run out of moves, and says so."""
+    """One vertex at a time is coordinate descent: on edges along the line it can run out of moves, and says so."""
     surface = open_plane(name)
     settled = 0
     for seed in range(8):
