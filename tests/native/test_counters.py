@@ -1,0 +1,44 @@
+"""Work is counted, and the counts are pinned: what makes a line slower or faster shows here, on any machine.
+
+Meshes come from files, or have whole numbers as coordinates, so that no version of numpy changes them.
+A change that alters a number on purpose alters it here as well, and says why.
+"""
+
+import pytest
+
+from native.surfaces import open_surface
+
+COUNTERS = ("pops", "iterations", "moves", "newton_steps", "vertex_passes", "funnels")
+OPTIONS = {
+    "heap": {"filter": "linear", "solver": "heap"},
+    "linear": {"filter": "linear"},
+    "cubic": {"filter": "cubic", "threshold": 1e-2},
+    "geodesic": {"filter": "geodesic"},
+}
+# Mesh, picks, options, and the counters in the order of COUNTERS.
+COUNTED = [
+    ("grid", (5, 230), "heap", (62, 8, 4430, 0, 5, 7)),
+    ("grid", (5, 230), "linear", (62, 1, 0, 0, 5, 5)),
+    ("grid", (5, 230), "cubic", (62, 1, 35, 0, 0, 0)),
+    ("grid", (5, 230), "geodesic", (62, 5, 0, 0, 5, 5)),
+    ("spot.obj", (100, 4000), "heap", (910, 14, 40673, 0, 37, 55)),
+    ("spot.obj", (100, 4000), "linear", (910, 1, 0, 4, 39, 11)),
+    ("spot.obj", (100, 4000), "cubic", (910, 2, 254, 0, 0, 1)),
+    ("spot.obj", (100, 4000), "geodesic", (910, 9, 0, 0, 39, 11)),
+    ("cow.off", (4861, 1518), "heap", (4381, 12, 45282, 0, 23, 66)),
+    ("cow.off", (4861, 1518), "linear", (4381, 4, 5612, 20, 21, 32)),
+    ("cow.off", (4861, 1518), "cubic", (4381, 2, 669, 0, 0, 7)),
+    ("cow.off", (4861, 1518), "geodesic", (4381, 6, 0, 0, 21, 13)),
+]
+
+
+@pytest.mark.parametrize(("name", "picks", "options", "expected"), COUNTED)
+def test_a_line_takes_the_counted_work(name, picks, options, expected):
+    report = open_surface(name).mesh.polyline(list(picks), **OPTIONS[options]).report
+    assert {c: getattr(report, c) for c in COUNTERS} == dict(zip(COUNTERS, expected, strict=True))
+
+
+def test_near_picks_do_not_make_the_search_visit_the_mesh():
+    surface = open_surface("igea.ply")
+    near = surface.mesh.polyline([1000, 1005], filter="none")
+    assert near.report.pops < 40 * len(near.strip), "a search between near picks has gone far"
