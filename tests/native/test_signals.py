@@ -66,6 +66,8 @@ SCRIPT = """
     sys.path.insert(0, sys.argv[1])
     import smooth_polylines as sp
     from native.made_meshes import make_sphere
+    # A process started in the background of a script inherits that Ctrl-C is ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     mesh = sp.SurfaceMesh(*make_sphere(6))
     picks = list(range(0, 20 * 4**6, 1365))
     def interrupt():
