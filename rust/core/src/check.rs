@@ -203,27 +203,46 @@ fn walk_from(
     steps: usize,
 ) -> Result<(), CheckError> {
     let (count, points) = (line.strip.len(), supports.len());
-    let mut taken = 0;
+    let is_pin = |support: &Support| line.route.pins.iter().any(|pin| support_of(mesh, pin) == *support);
     let (first_joint, last_joint) = if line.closed { (1, points) } else { (0, points - 1) };
+    // Numbers of steps after which the strip may be at the segment. Round a pinned vertex the strip may turn as often as
+    // its legs ask, and come by the segment's triangle more than once; elsewhere there is one.
+    let mut reached = vec![0];
     for joint in first_joint..=last_joint {
-        let is_last = joint == last_joint;
-        loop {
-            let place = (start + taken) % count;
-            let triangle = line.strip[place];
-            let is_there = if is_last { taken == steps } else { triangle == line.segment_triangles[joint] };
-            if is_there {
-                break;
+        let (point, is_last) = (joint % points, joint == last_joint);
+        let may_turn = supports[point].len() == 1 && is_pin(&supports[point]);
+        let mut next_reached = Vec::new();
+        let mut fault = None;
+        for &before in &reached {
+            let mut taken = before;
+            loop {
+                let place = (start + taken) % count;
+                let triangle = line.strip[place];
+                let goal = line.segment_triangles.get(joint).filter(|_| !is_last).copied();
+                if goal.map_or(taken == steps, |goal| goal == triangle) {
+                    next_reached.push(taken);
+                    if is_last || !may_turn {
+                        break;
+                    }
+                }
+                if taken == steps {
+                    fault = fault.or(goal.map(|triangle| CheckError::StripTooShort { segment: joint, triangle }));
+                    break;
+                }
+                let next = line.strip[(place + 1) % count];
+                if !crossings_between(mesh, triangle, next).any(|h| edge_holds(mesh, h, &supports[point])) {
+                    fault = fault.or(Some(CheckError::StripOffLine { place, triangle, point }));
+                    break;
+                }
+                taken += 1;
             }
-            if taken == steps {
-                return Err(CheckError::StripTooShort { segment: joint, triangle: line.segment_triangles[joint] });
-            }
-            let next = line.strip[(place + 1) % count];
-            let point = joint % points;
-            if !crossings_between(mesh, triangle, next).any(|h| edge_holds(mesh, h, &supports[point])) {
-                return Err(CheckError::StripOffLine { place, triangle, point });
-            }
-            taken += 1;
         }
+        if let (true, Some(fault)) = (next_reached.is_empty(), fault) {
+            return Err(fault);
+        }
+        next_reached.sort_unstable();
+        next_reached.dedup();
+        reached = next_reached;
     }
     Ok(())
 }
@@ -232,9 +251,11 @@ fn check_pins(mesh: &SurfaceMesh, line: &Polyline, supports: &[Support]) -> Resu
     let pins = &line.route.pins;
     let missing = |pin: usize| Err(CheckError::PinMissing { pin, at: pins[pin] });
     let mut from = 0;
+    // The last pin of a closed line may be the place where the first one is.
+    let ring = || supports.iter().chain(supports.first().filter(|_| line.closed));
     for (pin, at) in pins.iter().enumerate() {
         let wanted = support_of(mesh, at);
-        match supports[from..].iter().position(|support| *support == wanted) {
+        match ring().skip(from).position(|support| *support == wanted) {
             Some(offset) => from += offset,
             None => return missing(pin),
         }

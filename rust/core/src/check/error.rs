@@ -115,7 +115,7 @@ pub enum CheckError {
         /// The triangle.
         triangle: TriangleId,
     },
-    /// The strip crosses an edge where the line does not.
+    /// The strip crosses an edge where the line does not, or turns more than once round a vertex that the line runs through.
     #[error("the strip leaves triangle {} (strip[{place}]) by an edge that does not hold point {point}", triangle.0)]
     StripOffLine {
         /// Place in the strip.

@@ -58,6 +58,11 @@ pub fn all_pinned(options: Options) -> Options {
     Options { pinned: Pinned::All, ..options }
 }
 
+/// The same options for step B alone.
+pub fn step_b(options: &Options) -> Options {
+    Options { filter: Filter::None, solver: Solver::Auto, detail_size: None, ..options.clone() }
+}
+
 /// A line that must be made, and that keeps every promise.
 pub fn line(mesh: &SurfaceMesh, picks: &[Pick], options: &Options) -> Polyline {
     try_line(mesh, picks, options).unwrap_or_else(|error| panic!("{picks:?} {options:?}: {error}"))

@@ -1,0 +1,164 @@
+//! Step B against a plain Dijkstra written here, and how much of the mesh it visits.
+
+mod support;
+
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+
+use glam::DVec3;
+use smooth_polylines_core::ids::TriangleId;
+use smooth_polylines_core::search::SearchEnd;
+use smooth_polylines_core::strip::triangles_of;
+use smooth_polylines_core::{Filter, NoObserver, Options, SurfaceMesh};
+use support::random::Random;
+use support::shapes::{self, Shape};
+use support::{closed, faces, files, line};
+
+/// The dual graph from the triangles alone: neighbours across edges of exactly two triangles, and barycentres.
+struct Dual {
+    neighbours: Vec<BTreeSet<usize>>,
+    barycentres: Vec<DVec3>,
+}
+
+impl Dual {
+    fn new(shape: &Shape) -> Self {
+        let mut sides: Vec<([u32; 2], usize)> = Vec::new();
+        for (t, &[a, b, c]) in shape.triangles.iter().enumerate() {
+            sides.extend([[a, b], [b, c], [c, a]].map(|[u, v]| ([u.min(v), u.max(v)], t)));
+        }
+        sides.sort_unstable();
+        let mut neighbours = vec![BTreeSet::new(); shape.triangles.len()];
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            if let &[(_, a), (_, b)] = group {
+                neighbours[a].insert(b);
+                neighbours[b].insert(a);
+            }
+        }
+        let barycentre = |t: &[u32; 3]| t.iter().map(|&v| shape.positions[v as usize]).sum::<DVec3>() / 3.0;
+        Self { neighbours, barycentres: shape.triangles.iter().map(barycentre).collect() }
+    }
+
+    /// Costs from one triangle to all; infinite where there is no path.
+    fn costs(&self, from: usize) -> Vec<f64> {
+        let mut costs = vec![f64::INFINITY; self.barycentres.len()];
+        costs[from] = 0.0;
+        // Costs are not negative, so their bits are in their order.
+        let mut queue = BinaryHeap::from([Reverse((0u64, from))]);
+        while let Some(Reverse((bits, t))) = queue.pop() {
+            let cost = f64::from_bits(bits);
+            if cost > costs[t] {
+                continue;
+            }
+            for &next in &self.neighbours[t] {
+                let new_cost = cost + self.barycentres[t].distance(self.barycentres[next]);
+                if new_cost < costs[next] {
+                    costs[next] = new_cost;
+                    queue.push(Reverse((new_cost.to_bits(), next)));
+                }
+            }
+        }
+        costs
+    }
+
+    fn cost_of(&self, strip: &[TriangleId]) -> f64 {
+        let step = |pair: &[TriangleId]| {
+            let [a, b] = [pair[0].index(), pair[1].index()];
+            assert!(self.neighbours[a].contains(&b), "no edge from {a} to {b}");
+            self.barycentres[a].distance(self.barycentres[b])
+        };
+        strip.windows(2).map(step).sum()
+    }
+}
+
+fn end(mesh: &SurfaceMesh, triangle: usize) -> SearchEnd {
+    let triangle = TriangleId(triangle as u32);
+    SearchEnd { triangles: vec![triangle], anchor: mesh.dual_graph().barycentre(triangle) }
+}
+
+/// Every cost from a few triangles to many, against Dijkstra's.
+fn compare(name: &str, shape: &Shape, sources: usize, goals: usize) {
+    let (mesh, dual) = (shape.mesh(), Dual::new(shape));
+    let mut random = Random::new(77);
+    for _ in 0..sources {
+        let from = random.below(shape.triangles.len());
+        let costs = dual.costs(from);
+        for _ in 0..goals {
+            let to = random.below(shape.triangles.len());
+            let found = mesh.dual_graph().find_strip(&end(&mesh, from), &end(&mesh, to), &mut NoObserver);
+            match found.expect("nobody interrupts") {
+                None => assert!(costs[to].is_infinite(), "{name}: {from} to {to} is connected"),
+                Some(found) => {
+                    let strip = triangles_of(&mesh, found.first, &found.word);
+                    assert_eq!((strip[0].index(), strip[strip.len() - 1].index()), (from, to));
+                    // Both are sums of the same positive numbers up to their order.
+                    let slack = 1e-12 * costs[to];
+                    assert!((found.cost - costs[to]).abs() <= slack, "{name}: {from} to {to}");
+                    assert!((dual.cost_of(&strip) - costs[to]).abs() <= slack, "{name}: {from} to {to}");
+                    assert!(found.pops as usize <= shape.triangles.len(), "{name}: a triangle was taken up again");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn costs_are_those_of_a_plain_dijkstra() {
+    let mut random = Random::new(5);
+    compare("plane", &shapes::grid(12), 6, 40);
+    compare("irregular plane", &shapes::irregular_grid(16, 1), 6, 40);
+    compare("hills", &shapes::hills(20, 1).relabelled(&mut random).0, 6, 40);
+    compare("torus", &shapes::torus(1.0, 0.4, 30, 14), 6, 40);
+    compare("Moebius strip", &shapes::moebius(30, 5).flipped(&mut random), 6, 40);
+    compare("book with a wall", &shapes::book(3, 5), 6, 40);
+    compare("plane with a wall", &shapes::finned_grid(12, 0.5), 6, 40);
+    for name in ["cow.off", "truck_nm.obj", "thingi_79741.off"] {
+        if let Some(shape) = files::shared_mesh(name) {
+            compare(name, &shape, 3, 20);
+        }
+    }
+}
+
+#[test]
+fn near_picks_visit_few_triangles_of_a_large_mesh() {
+    let shape = shapes::irregular_grid(200, 6);
+    let mesh = shape.mesh();
+    let mut random = Random::new(3);
+    for _ in 0..50 {
+        let from = random.below(shape.triangles.len());
+        let near = shape.positions[shape.triangles[from][0] as usize] + DVec3::new(0.02, -0.015, 0.0);
+        let picks = faces(&[from, shape.nearest(near)]);
+        let report = line(&mesh, &picks, &Options { filter: Filter::None, ..Options::default() }).report;
+        // The line is some ten triangles long; A* looks at its neighbourhood.
+        assert!(report.pops <= 80, "{} of {} triangles", report.pops, shape.triangles.len());
+    }
+}
+
+#[test]
+fn a_search_visits_no_more_than_the_ellipse_that_its_cost_allows() {
+    // A triangle is taken from the queue only while its cost and the straight rest are at most the path's cost.
+    let shape = shapes::icosphere(4);
+    let (mesh, dual) = (shape.mesh(), Dual::new(&shape));
+    let mut random = Random::new(4);
+    for _ in 0..20 {
+        let [from, to] = [0; 2].map(|_| random.below(shape.triangles.len()));
+        let found = mesh.dual_graph().find_strip(&end(&mesh, from), &end(&mesh, to), &mut NoObserver);
+        let found = found.expect("nobody interrupts").expect("a sphere is connected");
+        let rest = |t: usize| dual.barycentres[t].distance(dual.barycentres[to]);
+        let costs = dual.costs(from);
+        let allowed = (0..costs.len()).filter(|&t| costs[t] + rest(t) <= found.cost * (1.0 + 1e-12)).count();
+        assert!(found.pops as usize <= allowed, "{} pops, {allowed} allowed", found.pops);
+    }
+}
+
+#[test]
+fn a_ring_of_picks_is_joined_pair_by_pair() {
+    let shape = shapes::hills(24, 3);
+    let (mesh, dual) = (shape.mesh(), Dual::new(&shape));
+    let ids = [[0.2, 0.2], [0.8, 0.25], [0.75, 0.8], [0.3, 0.7]].map(|[x, y]| shape.nearest(DVec3::new(x, y, 0.0)));
+    let ring = line(&mesh, &faces(&ids), &closed(Options { filter: Filter::None, ..Options::default() }));
+    let pairs = (0..4).map(|i| dual.costs(ids[i])[ids[(i + 1) % 4]]).sum::<f64>();
+    let strip: Vec<TriangleId> = ring.strip.iter().chain(&ring.strip[..1]).copied().collect();
+    // Where the strip turns back at a pick that is not pinned, that is cut off.
+    assert!(dual.cost_of(&strip) <= pairs * (1.0 + 1e-12));
+    assert!(dual.cost_of(&strip) > 0.9 * pairs);
+}
