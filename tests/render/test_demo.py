@@ -19,11 +19,11 @@ image = bpy.data.images.load(sys.argv[1] + "/demo.png")
 pixels = np.array(image.pixels[:]).reshape(-1, image.channels)[:, :3]
 red = (pixels[:, 0] > 0.5) & (pixels[:, 0] > 2 * pixels[:, 1]) & (pixels[:, 0] > 2 * pixels[:, 2])
 grey = np.ptp(pixels, axis=1) < 0.06
-print("SIZE", *image.size, "RED", red.sum(), "GREY", grey.sum())
+print("SIZE", *image.size, "RED", red.sum(), "GREY", grey.sum(), flush=True)
 bpy.ops.wm.open_mainfile(filepath=sys.argv[1] + "/demo.blend")
 curve = bpy.data.objects["Smooth Polyline"]
 points = curve.data.splines[0].points
-print("CURVE", len(points), curve.data.splines[0].use_cyclic_u, curve.parent.name)
+print("CURVE", len(points), curve.data.splines[0].use_cyclic_u, curve.parent.name, flush=True)
 os._exit(0)
 """
 
