@@ -145,6 +145,13 @@ impl SurfaceMesh {
         [VertexId(corners[side]), VertexId(corners[(side + 1) % 3])]
     }
 
+    /// The end of a half-edge that is not `vertex`, which must be the other one.
+    #[inline]
+    pub fn other_end(&self, halfedge: HalfedgeId, vertex: VertexId) -> VertexId {
+        let [a, b] = self.ends(halfedge);
+        if a == vertex { b } else { a }
+    }
+
     /// The two ends of an edge, lower id first: the direction of crossing parameters, the same from both sides.
     #[inline]
     pub fn sorted_ends(&self, halfedge: HalfedgeId) -> [VertexId; 2] {

@@ -49,6 +49,17 @@ pub enum Spot {
     Inside(TriangleId),
 }
 
+impl Spot {
+    /// Whether the place lies on the edge of `letter`.
+    pub fn is_on(&self, mesh: &SurfaceMesh, letter: HalfedgeId) -> bool {
+        match *self {
+            Self::Vertex(v) => mesh.touches(letter, v),
+            Self::Edge(edge, _) => letter == edge || mesh.twin(letter) == Some(edge),
+            Self::Inside(_) => false,
+        }
+    }
+}
+
 impl Leg {
     /// A leg through the midpoints of its edges: the first polyline of step B.
     pub fn through_midpoints(first: TriangleId, word: Vec<HalfedgeId>) -> Self {

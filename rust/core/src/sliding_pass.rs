@@ -170,10 +170,7 @@ fn try_pass(
         neighbours(mesh, route, leg, letters.start, false, 1).first()?,
         neighbours(mesh, route, leg, letters.end, true, 1).first()?,
     );
-    let far = |spoke: HalfedgeId| {
-        let [a, b] = mesh.ends(spoke);
-        mesh.position(if a == vertex { b } else { a }) - centre
-    };
+    let far = |spoke: HalfedgeId| mesh.position(mesh.other_end(spoke, vertex)) - centre;
     let (first, last) = (word[letters.start], word[letters.end - 1]);
     let run = Run {
         vertex,

@@ -15,7 +15,7 @@ use crate::relax::beads::Beads;
 use crate::relax::heap::{HeapEnd, relax_by_heap};
 use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
 use crate::report::{Observer, Report, Step, StopReason};
-use crate::route::{Leg, Route, Spot, spot_of};
+use crate::route::{Leg, Route, spot_of};
 use crate::sliding_pass::{MERGING, PassWork, pass_vertices};
 use crate::smooth::go_on;
 use crate::smooth_geodesic::points_of;
@@ -217,19 +217,14 @@ pub fn trim_legs(mesh: &SurfaceMesh, route: &mut Route) {
 }
 
 fn trim_leg(mesh: &SurfaceMesh, leg: &mut Leg, start: &SurfacePoint, end: &SurfacePoint) {
-    let is_at = |spot: Spot, letter: HalfedgeId| match spot {
-        Spot::Vertex(v) => mesh.touches(letter, v),
-        Spot::Edge(edge, _) => letter == edge || mesh.twin(letter) == Some(edge),
-        Spot::Inside(_) => false,
-    };
     let (start, end) = (spot_of(mesh, start), spot_of(mesh, end));
-    let at_start = leg.word.iter().take_while(|&&h| is_at(start, h)).count();
+    let at_start = leg.word.iter().take_while(|&&h| start.is_on(mesh, h)).count();
     if at_start > 0 {
         leg.first = entered_triangle(mesh, leg.word[at_start - 1]);
         leg.word.drain(..at_start);
         leg.parameters.drain(..at_start);
     }
-    let at_end = leg.word.iter().rev().take_while(|&&h| is_at(end, h)).count();
+    let at_end = leg.word.iter().rev().take_while(|&&h| end.is_on(mesh, h)).count();
     let kept = leg.word.len() - at_end;
     leg.word.truncate(kept);
     leg.parameters.truncate(kept);

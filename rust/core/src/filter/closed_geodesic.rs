@@ -224,10 +224,7 @@ fn with_turn(mesh: &SurfaceMesh, leg: &Leg, turn: &[HalfedgeId], vertex: VertexI
 
 fn measure_turn(mesh: &SurfaceMesh, leg: &Leg, vertex: VertexId, first: HalfedgeId, last: HalfedgeId) -> Run {
     let centre = mesh.position(vertex);
-    let far = |spoke: HalfedgeId| {
-        let [a, b] = mesh.ends(spoke);
-        mesh.position(if a == vertex { b } else { a }) - centre
-    };
+    let far = |spoke: HalfedgeId| mesh.position(mesh.other_end(spoke, vertex)) - centre;
     let at = |i: usize| crossing_position(mesh, leg.word[i], leg.parameters[i]) - centre;
     Run {
         vertex,

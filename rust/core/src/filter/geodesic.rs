@@ -173,7 +173,7 @@ impl GeodesicLeg {
         self.chain.stretch(from, to, &mut links, &mut letters);
         let mut rest: &[HalfedgeId] = &letters;
         while let Some((&letter, tail)) = rest.split_first() {
-            if from == START && is_at(mesh, &self.start.spot, letter) {
+            if from == START && self.start.spot.is_on(mesh, letter) {
                 self.dropped_at_start.push(self.chain.drop_first(mesh));
             } else if from != START && mesh.touches(letter, self.chain.vertex(from)) {
                 self.chain.absorb_next(from);
@@ -183,7 +183,7 @@ impl GeodesicLeg {
             rest = tail;
         }
         while let Some((&letter, head)) = rest.split_last() {
-            if to == END && is_at(mesh, &self.end.spot, letter) {
+            if to == END && self.end.spot.is_on(mesh, letter) {
                 self.dropped_at_end.insert(0, self.chain.drop_last());
             } else if to != END && mesh.touches(letter, self.chain.vertex(to)) {
                 self.chain.absorb_previous(to);
@@ -238,7 +238,7 @@ impl GeodesicLeg {
         }
         let goes_to = |i: usize| runs.get(i).map_or(unfolding.end, |&(next, ..)| at(next));
         if from != START {
-            let far = far_vertex(mesh, self.chain.run(from).last, self.chain.vertex(from));
+            let far = mesh.other_end(self.chain.run(from).last, self.chain.vertex(from));
             self.chain.set_angle_out(from, planar_angle(unfolding.start, portal_place(unfolding, 0, far), goes_to(0)));
         }
         let mut corner = from;
@@ -253,7 +253,7 @@ impl GeodesicLeg {
             corner = id;
         }
         if to != END {
-            let far = far_vertex(mesh, self.chain.run(to).first, self.chain.vertex(to));
+            let far = mesh.other_end(self.chain.run(to).first, self.chain.vertex(to));
             let last = unfolding.portals.len() - 1;
             self.chain.set_angle_in(to, planar_angle(unfolding.end, portal_place(unfolding, last, far), came_from));
         }
@@ -326,21 +326,7 @@ fn portal_place(unfolding: &Unfolding, letter: usize, vertex: VertexId) -> DVec2
     if left.vertex == vertex { left.at } else { right.at }
 }
 
-/// The end of a spoke of `vertex` that is not `vertex`.
-fn far_vertex(mesh: &SurfaceMesh, spoke: HalfedgeId, vertex: VertexId) -> VertexId {
-    let [a, b] = mesh.ends(spoke);
-    if a == vertex { b } else { a }
-}
-
+/// Where the far end of a spoke of `vertex` is.
 fn far_end(mesh: &SurfaceMesh, spoke: HalfedgeId, vertex: VertexId) -> DVec3 {
-    mesh.position(far_vertex(mesh, spoke, vertex))
-}
-
-/// Whether a place of the mesh lies on the edge of `letter`.
-fn is_at(mesh: &SurfaceMesh, spot: &Spot, letter: HalfedgeId) -> bool {
-    match *spot {
-        Spot::Vertex(v) => mesh.touches(letter, v),
-        Spot::Edge(edge, _) => letter == edge || mesh.twin(letter) == Some(edge),
-        Spot::Inside(_) => false,
-    }
+    mesh.position(mesh.other_end(spoke, vertex))
 }
