@@ -236,6 +236,7 @@ impl Chain {
                 |a: Option<HalfedgeId>, b: Option<HalfedgeId>| a.zip(b).is_some_and(|(a, b)| mesh.twin(a) == Some(b));
             if !rest.is_empty() && cancels(low_letter, rest.first().copied()) {
                 rest = &rest[1..];
+                self.first = self.links[low as usize].letter.triangle();
                 low = self.cancel_low(low, &mut previous);
             } else if !rest.is_empty() && cancels(rest.last().copied(), high_letter) {
                 rest = &rest[..rest.len() - 1];
