@@ -24,6 +24,10 @@ use crate::vertex_pass::{ANGLE_SLACK, Run, angle_between, measure_sides, other_s
 /// Halvings of the parameter of the anchor: one bit of an f64 each.
 const HALVINGS: u32 = 60;
 
+/// How near to the ends of the anchor's edge a loop is tried, as a share of the edge: at the ends themselves the start
+/// would lie on portals, where the funnel has no direction to begin with.
+const MARGIN: f64 = 1e-12;
+
 /// A closed line shorter than this, relative to its longest crossed edge, is a point.
 const COLLAPSED_LENGTH: f64 = 1e-12;
 
@@ -107,11 +111,11 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
     // If nothing is in the way, the squared distance is a parabola in s.
     let (gap, growth) = (end_low - start_low, end_edge - start_edge);
     let parabola = if growth.length_squared() > 0.0 { -gap.dot(growth) / growth.length_squared() } else { 0.5 };
-    let mut s = parabola.clamp(0.0, 1.0);
+    let mut s = parabola.clamp(MARGIN, 1.0 - MARGIN);
     let (mut corners, mut slope) = go_round(&mut unfolding, s);
-    let is_best = corners.is_empty() || (s == 0.0 && slope >= 0.0) || (s == 1.0 && slope <= 0.0);
+    let is_best = corners.is_empty() || (s == MARGIN && slope >= 0.0) || (s == 1.0 - MARGIN && slope <= 0.0);
     if !is_best {
-        let (mut below, mut above) = (0.0, 1.0);
+        let (mut below, mut above) = (MARGIN, 1.0 - MARGIN);
         for _ in 0..HALVINGS {
             if slope > 0.0 {
                 above = s
@@ -127,8 +131,9 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
         if unfolding.start.distance(unfolding.end) <= COLLAPSED_LENGTH * longest {
             return collapsed;
         }
-        if s == 0.0 || s == 1.0 {
-            let vertex = if s == 0.0 { low } else { high };
+        let is_low = s <= 2.0 * MARGIN;
+        if is_low || s >= 1.0 - 2.0 * MARGIN {
+            let vertex = if is_low { low } else { high };
             return Ok(Loop::Anchored { word, vertex, run_length: 1 });
         }
         let mut leg = Leg { first: first.triangle(), word: word.clone(), parameters: vec![s] };
@@ -165,10 +170,12 @@ fn relax_anchored(
         }
         (leg, unwind(mesh, &turn).unwrap_or(turn))
     };
-    let mut may_go_on = true;
-    while solver.is_active() && may_go_on {
+    let (mut may_go_on, mut is_held) = (true, true);
+    while solver.is_active() && may_go_on && is_held {
         solver.advance(mesh, work, report);
         let (leg, turn) = whole(&solver, work);
+        // Without a turn the line goes by the anchor: from here on it would only be held back there.
+        is_held = !turn.is_empty();
         may_go_on = on_round(&with_turn(mesh, &leg, &turn, vertex), report)?;
     }
     let (leg, turn) = whole(&solver, work);
