@@ -1,0 +1,203 @@
+//! The work of a few lines, counted: it gates performance, on every machine alike.
+//!
+//! A change that lowers a number is welcome: pin the new one. One that raises a number says why in its commit. The meshes
+//! are made of sums, products and square roots alone, which are the same to the bit everywhere.
+
+mod support;
+
+use std::fmt::Write;
+
+use glam::DVec3;
+use smooth_polylines_core::{Options, Pick, Report, SurfaceMesh};
+use support::shapes::{self, Shape};
+use support::{all_pinned, closed, cubic, faces, files, geodesic, heap, line};
+
+/// Rounds, moves of the heap, vertices passed, triangles taken from the search queue, funnels run, steps of Newton.
+type Counts = [u64; 6];
+
+/// A way to smooth, and what it takes on one line.
+type Expected<'a> = [(&'a str, Counts)];
+
+fn counts_of(report: &Report) -> Counts {
+    let Report { iterations, moves, vertex_passes, pops, funnels, newton_steps, .. } = *report;
+    [u64::from(iterations), moves, vertex_passes, pops, funnels, newton_steps]
+}
+
+fn options_of(way: &str) -> Options {
+    match way {
+        "heap" => heap(1e-4),
+        "linear" => Options::default(),
+        "cubic" => cubic(),
+        "geodesic" => geodesic(),
+        "geodesic, pinned" => all_pinned(geodesic()),
+        "cubic, closed" => closed(cubic()),
+        "geodesic, closed" => closed(geodesic()),
+        "geodesic, closed and pinned" => closed(all_pinned(geodesic())),
+        other => panic!("no way to smooth is called {other}"),
+    }
+}
+
+/// Compares all ways and tells all that differ, in the form of the tables below.
+fn check(name: &str, mesh: &SurfaceMesh, picks: &[Pick], expected: &Expected) {
+    let mut differences = String::new();
+    for &(way, counts) in expected {
+        let found = counts_of(&line(mesh, picks, &options_of(way)).report);
+        if found != counts {
+            writeln!(differences, "        (\"{way}\", {found:?}), // pinned: {counts:?}").expect("a string takes all");
+        }
+    }
+    assert!(differences.is_empty(), "{name}:\n{differences}");
+}
+
+/// The irregular unit square, lifted to hills by a polynomial.
+fn terrain(cells: usize) -> Shape {
+    let mut shape = shapes::irregular_grid(cells, 71);
+    for p in &mut shape.positions {
+        let wave = |x: f64| 20.0 * x * (x - 0.35) * (x - 0.7) * (x - 1.0);
+        p.z = 0.6 * wave(p.x) + 0.5 * wave(p.y) + 0.3 * p.x * p.y;
+    }
+    shape
+}
+
+#[test]
+fn a_line_across_a_terrain() {
+    let shape = terrain(60);
+    let mesh = shape.mesh();
+    let picks = faces(&[[0.05, 0.1], [0.4, 0.85], [0.95, 0.6]].map(|[x, y]| nearest_in_plan(&shape, x, y)));
+    let ends = [picks[0], picks[2]];
+    check(
+        "terrain",
+        &mesh,
+        &ends,
+        &[
+            ("heap", [44, 342035, 82, 3104, 183, 0]),
+            ("linear", [4, 4204, 160, 3104, 48, 17]),
+            ("cubic", [1, 256, 0, 3104, 0, 0]),
+            ("geodesic", [32, 0, 160, 3104, 38, 0]),
+        ],
+    );
+    check(
+        "terrain, three picks",
+        &mesh,
+        &picks,
+        &[("geodesic", [168, 0, 1318, 3156, 176, 0]), ("geodesic, pinned", [17, 0, 131, 3156, 35, 0])],
+    );
+}
+
+/// The triangle that lies nearest to a place, seen from above.
+fn nearest_in_plan(shape: &Shape, x: f64, y: f64) -> usize {
+    let flat = shape.positions.iter().map(|p| DVec3::new(p.x, p.y, 0.0)).collect();
+    Shape { positions: flat, triangles: shape.triangles.clone() }.nearest(DVec3::new(x, y, 0.0))
+}
+
+#[test]
+fn lines_on_a_ball() {
+    let shape = shapes::icosphere(5);
+    let around = [[1.0, 0.1, 0.2], [-0.3, 1.0, 0.3], [-1.0, -0.2, 0.0], [0.2, -1.0, 0.4], [0.6, -0.7, 0.1]];
+    let picks = faces(&around.map(|p| shape.nearest(DVec3::from_array(p))));
+    let mesh = shape.mesh();
+    check(
+        "ball",
+        &mesh,
+        &picks[..2],
+        &[
+            ("heap", [37, 113756, 53, 2571, 117, 0]),
+            ("linear", [5, 5600, 66, 2571, 22, 31]),
+            ("cubic", [1, 54, 0, 2571, 0, 0]),
+            ("geodesic", [14, 0, 65, 2571, 14, 0]),
+        ],
+    );
+    check(
+        "ball, a ring",
+        &mesh,
+        &picks,
+        &[("cubic, closed", [1, 234, 0, 6772, 0, 0]), ("geodesic, closed and pinned", [29, 0, 319, 6772, 93, 0])],
+    );
+}
+
+#[test]
+fn near_picks_cost_little_on_a_large_mesh() {
+    let shape = terrain(250);
+    let picks = faces(&[nearest_in_plan(&shape, 0.5, 0.5), nearest_in_plan(&shape, 0.53, 0.52)]);
+    check(
+        "large terrain",
+        &shape.mesh(),
+        &picks,
+        &[("heap", [5, 10329, 6, 97, 7, 0]), ("linear", [1, 0, 7, 97, 4, 3]), ("geodesic", [4, 0, 7, 97, 4, 0])],
+    );
+}
+
+#[test]
+fn a_line_along_the_cow() {
+    let Some(shape) = files::shared_mesh("cow.off") else { return };
+    let (mesh, picks) = (shape.mesh(), faces(&[100, 2500, 5000]));
+    let ends = [picks[0], picks[2]];
+    check(
+        "cow.off",
+        &mesh,
+        &ends,
+        &[
+            ("heap", [18, 39397, 26, 686, 51, 0]),
+            ("linear", [1, 1000, 26, 686, 11, 6]),
+            ("cubic", [1, 147, 0, 686, 0, 0]),
+            ("geodesic", [9, 0, 26, 686, 10, 0]),
+        ],
+    );
+    check(
+        "cow.off, three picks",
+        &mesh,
+        &picks,
+        &[("geodesic", [6, 0, 22, 516, 8, 0]), ("geodesic, pinned", [4, 0, 13, 516, 9, 0])],
+    );
+}
+
+#[test]
+fn a_line_along_spot() {
+    let Some(shape) = files::shared_mesh("spot.obj") else { return };
+    let picks = faces(&[100, 5000]);
+    check(
+        "spot.obj",
+        &shape.mesh(),
+        &picks,
+        &[
+            ("heap", [11, 52156, 10, 984, 34, 0]),
+            ("linear", [4, 5200, 14, 984, 16, 22]),
+            ("cubic", [1, 219, 0, 984, 0, 0]),
+            ("geodesic", [8, 0, 13, 984, 9, 0]),
+        ],
+    );
+}
+
+#[test]
+fn lines_on_a_scan() {
+    let Some(shape) = files::shared_mesh("igea.ply") else { return };
+    let mesh = shape.mesh();
+    check(
+        "igea.ply",
+        &mesh,
+        &faces(&[1000, 200_000]),
+        &[("linear", [5, 15435, 760, 24547, 137, 47]), ("geodesic", [95, 0, 759, 24547, 120, 0])],
+    );
+    let ring = faces(&ring_round(&shape, 30));
+    check(
+        "igea.ply, a ring",
+        &mesh,
+        &ring,
+        &[("cubic, closed", [2, 3188, 0, 24002, 6, 0]), ("geodesic, closed and pinned", [36, 0, 1138, 24002, 383, 0])],
+    );
+}
+
+/// Triangles round the middle of a mesh, at even places of a square in the plane of its y and z axes.
+fn ring_round(shape: &Shape, count: usize) -> Vec<usize> {
+    let low = shape.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = shape.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let corner = |i: usize| [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]][i % 4];
+    let place = |i: usize| {
+        let along = 4.0 * i as f64 / count as f64;
+        let ([y0, z0], [y1, z1]) = (corner(along as usize), corner(along as usize + 1));
+        let share = along.fract();
+        middle + half * DVec3::new(0.0, y0 + share * (y1 - y0), z0 + share * (z1 - z0))
+    };
+    (0..count).map(|i| shape.nearest(place(i))).collect()
+}
