@@ -41,8 +41,6 @@ pub struct AdjacencyCounts {
 pub struct Adjacency {
     twins: Vec<u32>,
     kinds: Vec<VertexKind>,
-    /// For each vertex one half-edge that touches it, in a triangle that uses it.
-    spokes: Vec<u32>,
     counts: AdjacencyCounts,
 }
 
@@ -53,17 +51,18 @@ impl Adjacency {
     /// Cost: O(triangles), plus sorting within vertices of high valence.
     pub fn new(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
         let (twins, mut counts) = pair_halfedges(triangles, vertex_count);
-        let mut adjacency =
-            Self { twins, kinds: vec![VertexKind::Unreferenced; vertex_count], spokes: vec![0; vertex_count], counts };
+        let mut adjacency = Self { twins, kinds: vec![VertexKind::Unreferenced; vertex_count], counts };
+        // For each vertex one half-edge that touches it, to begin the walk round it; needed here alone.
+        let mut spokes = vec![HalfedgeId(0); vertex_count];
         let mut corner_counts = vec![0u32; vertex_count];
         for (f, corners) in triangles.iter().enumerate() {
             for (c, &v) in corners.iter().enumerate() {
                 corner_counts[v as usize] += 1;
-                adjacency.spokes[v as usize] = (3 * f + c) as u32;
+                spokes[v as usize] = HalfedgeId((3 * f + c) as u32);
             }
         }
         for (v, &corner_count) in corner_counts.iter().enumerate() {
-            let kind = adjacency.classify(triangles, VertexId(v as u32), corner_count);
+            let kind = adjacency.classify(triangles, VertexId(v as u32), spokes[v], corner_count);
             adjacency.kinds[v] = kind;
             match kind {
                 VertexKind::Unreferenced => counts.unreferenced_vertices += 1,
@@ -86,12 +85,6 @@ impl Adjacency {
     #[inline]
     pub fn kind(&self, vertex: VertexId) -> VertexKind {
         self.kinds[vertex.index()]
-    }
-
-    /// A half-edge that touches `vertex`; `None` when no triangle uses it.
-    #[inline]
-    pub fn any_spoke(&self, vertex: VertexId) -> Option<HalfedgeId> {
-        (self.kind(vertex) != VertexKind::Unreferenced).then_some(HalfedgeId(self.spokes[vertex.index()]))
     }
 
     /// Numbers of special elements.
@@ -127,11 +120,10 @@ impl Adjacency {
         parts
     }
 
-    fn classify(&self, triangles: &[[u32; 3]], vertex: VertexId, corner_count: u32) -> VertexKind {
+    fn classify(&self, triangles: &[[u32; 3]], vertex: VertexId, first: HalfedgeId, corner_count: u32) -> VertexKind {
         if corner_count == 0 {
             return VertexKind::Unreferenced;
         }
-        let first = HalfedgeId(self.spokes[vertex.index()]);
         let mut walked = 1;
         let mut exit = first;
         while let Some(twin) = self.twin(exit) {

@@ -9,6 +9,7 @@
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
@@ -152,8 +153,12 @@ impl GeodesicLeg {
 
     /// Step C on the stretch between two neighbouring corners or ends.
     fn straighten(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, work: &mut Workspace, report: &mut Report) {
-        self.trim(mesh, from, to);
         self.chain.stretch(from, to, &mut work.links, &mut work.letters);
+        let kept = self.trim(mesh, from, to, &work.letters);
+        work.links.truncate(kept.end);
+        work.links.drain(..kept.start);
+        work.letters.truncate(kept.end);
+        work.letters.drain(..kept.start);
         let (a, b) = (self.anchor_position(mesh, from, true), self.anchor_position(mesh, to, false));
         self.active.extend([from, to]);
         if work.letters.is_empty() {
@@ -168,10 +173,10 @@ impl GeodesicLeg {
 
     /// Letters next to an end of a stretch that touch it are crossed there: a corner takes them into its run, a pin
     /// drops them (the line may leave a pin by any triangle that holds it).
-    fn trim(&mut self, mesh: &SurfaceMesh, from: u32, to: u32) {
-        let (mut links, mut letters) = (Vec::new(), Vec::new());
-        self.chain.stretch(from, to, &mut links, &mut letters);
-        let mut rest: &[HalfedgeId] = &letters;
+    ///
+    /// Returns which of the stretch's letters are left.
+    fn trim(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, letters: &[HalfedgeId]) -> Range<usize> {
+        let mut rest = letters;
         while let Some((&letter, tail)) = rest.split_first() {
             if from == START && self.start.spot.is_on(mesh, letter) {
                 self.dropped_at_start.push(self.chain.drop_first(mesh));
@@ -182,6 +187,7 @@ impl GeodesicLeg {
             }
             rest = tail;
         }
+        let start = letters.len() - rest.len();
         while let Some((&letter, head)) = rest.split_last() {
             if to == END && self.end.spot.is_on(mesh, letter) {
                 self.dropped_at_end.insert(0, self.chain.drop_last());
@@ -192,6 +198,7 @@ impl GeodesicLeg {
             }
             rest = head;
         }
+        start..start + rest.len()
     }
 
     fn anchor_position(&self, mesh: &SurfaceMesh, corner: u32, is_start: bool) -> DVec3 {
@@ -290,11 +297,6 @@ impl GeodesicLeg {
             corner = self.chain.next_corner(corner);
         }
         runs
-    }
-
-    /// Whether the line runs through mesh vertices between its ends.
-    pub fn has_corners(&self) -> bool {
-        self.chain.next_corner(START) != END
     }
 }
 
