@@ -1,4 +1,4 @@
-//! The driver: options are checked, picks joined (steps A and B), the line smoothed (steps C and D), and put together.
+//! The driver: options are checked, picks joined (steps A and B), their route smoothed (steps C and D), and put together.
 //!
 //! Holds no geometry of its own; every step lies in a room of its own.
 
@@ -31,7 +31,22 @@ pub fn polyline(
     options.check()?;
     let mut report = Report::default();
     go_on(observer, Step::Search)?;
-    let mut route = join_picks(mesh, picks, options, &mut report, observer)?;
+    let route = join_picks(mesh, picks, options, &mut report, observer)?;
+    smooth_route(mesh, route, options, report, observer)
+}
+
+/// Smooths what steps A and B made, wherever it came from: pins, strips and start parameters. `report` holds the work of
+/// those steps.
+///
+/// # Errors
+/// A closed line that collapses, or [`Error::Interrupted`] when the observer says so.
+pub fn smooth_route(
+    mesh: &SurfaceMesh,
+    mut route: Route,
+    options: &Options,
+    mut report: Report,
+    observer: &mut dyn Observer,
+) -> Result<Polyline> {
     let start = assemble(mesh, route.clone(), Report::default());
     report.start_length = start.length();
     report.strip_triangles = start.strip.len();
