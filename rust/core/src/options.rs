@@ -54,6 +54,12 @@ pub enum Knots {
     Chordal,
 }
 
+/// Neighbours a side that the paper's cubic goes through.
+pub const DEFAULT_SUPPORT: usize = 2;
+
+/// Most neighbours a side: ours, so that a vertex's neighbourhood is of bounded size. Detail of so many crossings is large.
+pub const MAX_SUPPORT: usize = 16;
+
 /// Rounds of steps C and D that the paper's filters get by default (the paper, section 6).
 pub const PAPER_MAX_ITERATIONS: u32 = 100;
 
@@ -80,6 +86,8 @@ pub struct Options {
     pub detail_size: Option<f64>,
     /// `cubic` only.
     pub knots: Knots,
+    /// `cubic` only: neighbours on each side, 2 to [`MAX_SUPPORT`]; more than 2: the least-squares cubic.
+    pub support: usize,
     /// Keep the points after each round in the report.
     pub stages: bool,
 }
@@ -95,6 +103,7 @@ impl Default for Options {
             max_iterations: None,
             detail_size: None,
             knots: Knots::default(),
+            support: DEFAULT_SUPPORT,
             stages: false,
         }
     }
@@ -131,6 +140,25 @@ impl Options {
                     format!("found {size}, expected a length above 0 in the units of the positions, or infinity"),
                 ));
             }
+        }
+        if !(DEFAULT_SUPPORT..=MAX_SUPPORT).contains(&self.support) {
+            return Err(OptionError::new(
+                "support",
+                format!(
+                    "found {}, expected {DEFAULT_SUPPORT} to {MAX_SUPPORT} neighbours a side ({DEFAULT_SUPPORT} is the \
+                     paper's)",
+                    self.support
+                ),
+            ));
+        }
+        if self.support != DEFAULT_SUPPORT && self.filter != Filter::Cubic {
+            return Err(OptionError::new(
+                "support",
+                format!(
+                    "found {}, but only filter=\"cubic\" has a support; leave it out or choose that filter",
+                    self.support
+                ),
+            ));
         }
         if self.solver == Solver::Heap && !matches!(self.filter, Filter::Linear | Filter::Cubic) {
             return Err(OptionError::new(

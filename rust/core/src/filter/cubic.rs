@@ -1,49 +1,89 @@
 //! The `cubic` filter (the paper, section 5): towards the cubic through two neighbours on each side.
 //!
-//! It keeps the global shape and removes small detail; it leaves points on a cubic with uniform parameters alone. It has
-//! no useful limit (a closed line's only fixed point is a point): what one sees is where the threshold stopped it. The
-//! `fair` filter is the one with a limit.
+//! It keeps the global shape and removes small detail; it leaves points on a cubic alone. It has no useful limit (a closed
+//! line's only fixed point is a point): what one sees is where the threshold stopped it. The `fair` filter is the one with
+//! a limit.
 //!
-//! Ends: a vertex next to an end, with a single neighbour on that side, takes three of the other side, at parameters
-//! -1, 1, 2, 3, so that a cubic is left alone up to its ends. On lines too short for that it takes the polynomial through
-//! the neighbours that there are: a parabola, or the straight line.
+//! Larger support (the paper's future work): `support` neighbours on each side, and the cubic nearest to them all by least
+//! squares, at the same parameters. The point is still sought between the two inner ones.
+//!
+//! Ends: a vertex near an end, with fewer neighbours on that side, takes as many more of the other side (the paper's: at
+//! parameters -1, 1, 2, 3), so that a cubic is left alone up to its ends. On lines too short for that it takes the
+//! neighbours that there are; of four or fewer the polynomial through them: a parabola, or the straight line.
 
 use glam::DVec3;
 
-use super::{Edge, SlidingFilter};
-use crate::options::Knots;
+use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge, slopes_of_nearest};
+use super::{Edge, MAX_REACH, SlidingFilter};
+use crate::options::{DEFAULT_SUPPORT, Knots};
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Cubic {
-    /// Parameters at which the neighbours are interpolated.
+    /// Parameters of the neighbours.
     pub knots: Knots,
+    /// Neighbours on each side, 2 to [`crate::options::MAX_SUPPORT`].
+    pub support: usize,
 }
 
-/// The nearest point of the curve is sought between the two inner neighbours: first at this many steps, so that no
-/// nearer stretch is missed (the squared distance to a line is of degree 6: at most three valleys), then by Newton.
-const STEPS: u32 = 8;
+impl Default for Cubic {
+    fn default() -> Self {
+        Self { knots: Knots::default(), support: DEFAULT_SUPPORT }
+    }
+}
 
-/// Newton steps on the curve's parameter; convergence is quadratic, bisection guards it.
-const NEWTON_STEPS: u32 = 30;
+/// The most points that a cubic goes through; nearest to more.
+const INTERPOLATED: usize = 4;
 
-/// Newton ends when the parameter moves by less than this, on a range of 2: the step after it would be its square.
-const PARAMETER_STEP: f64 = 1e-9;
+type Points = arrayvec::ArrayVec<DVec3, { MAX_REACH + 1 }>;
 
 impl SlidingFilter for Cubic {
     fn reach(&self) -> usize {
-        2
+        self.support
     }
 
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64 {
         if before.is_empty() || after.is_empty() {
             return t;
         }
-        let points: arrayvec::ArrayVec<DVec3, 4> = before.iter().rev().chain(after).copied().take(4).collect();
+        let points = self.choose_points(before, after);
         let inner = before.len() - 1;
         let knots = self.place_knots(&points, inner);
-        let curve = Curve::through(&knots, &points, edge.low);
-        nearest_on_edge(&curve, edge.high - edge.low, knots[inner], knots[inner + 1]).unwrap_or(t)
+        let curve = if points.len() <= INTERPOLATED {
+            Curve::through(&knots, &points, edge.low)
+        } else {
+            Curve::nearest_to(&Basis::over(&knots), &points, edge.low)
+        };
+        nearest_on_edge(&curve, edge.high - edge.low, knots[inner], knots[inner + 1]).map_or(t, |nearest| nearest.t)
+    }
+
+    fn target_with_slopes(
+        &self,
+        edge: &Edge,
+        before: &[DVec3],
+        after: &[DVec3],
+        t: f64,
+        slopes: &mut Vec<DVec3>,
+    ) -> f64 {
+        slopes.clear();
+        if before.is_empty() || after.is_empty() {
+            return t;
+        }
+        let points = self.choose_points(before, after);
+        let inner = before.len() - 1;
+        let knots = self.place_knots(&points, inner);
+        let basis = Basis::over(&knots);
+        let curve = if points.len() <= INTERPOLATED {
+            Curve::through(&knots, &points, edge.low)
+        } else {
+            Curve::nearest_to(&basis, &points, edge.low)
+        };
+        let (e, range) = (edge.high - edge.low, (knots[inner], knots[inner + 1]));
+        let Some(nearest) = nearest_on_edge(&curve, e, range.0, range.1) else { return t };
+        slopes_of_nearest(&curve, &basis, e, nearest, range, slopes);
+        // In the order of the sides: nearest first, before and after.
+        slopes[..before.len()].reverse();
+        nearest.t
     }
 
     /// The bending energy of the polyline: squared turn of its direction over half the length of the two segments.
@@ -59,9 +99,14 @@ impl SlidingFilter for Cubic {
 }
 
 impl Cubic {
+    /// The neighbours in the order of the line.
+    fn choose_points(&self, before: &[DVec3], after: &[DVec3]) -> Points {
+        before.iter().rev().chain(after).copied().take(2 * self.support).collect()
+    }
+
     /// Parameters of the neighbours: -1 and 1 for the inner ones, which are at `inner` and `inner + 1`.
-    fn place_knots(&self, points: &[DVec3], inner: usize) -> arrayvec::ArrayVec<f64, 4> {
-        let mut knots = arrayvec::ArrayVec::new();
+    fn place_knots(&self, points: &[DVec3], inner: usize) -> Row {
+        let mut knots = Row::new();
         let power = match self.knots {
             Knots::Uniform => {
                 // The vertex itself has parameter 0, which is left out.
@@ -87,129 +132,6 @@ impl Cubic {
         knots.iter_mut().for_each(|k| *k = if half > 0.0 { (*k - middle) / half } else { 0.0 });
         knots
     }
-}
-
-/// A polynomial of degree at most 3 in space.
-struct Curve {
-    coefficients: [DVec3; 4],
-}
-
-impl Curve {
-    /// Newton's divided differences through `points - origin`, then expanded to powers.
-    fn through(knots: &[f64], points: &[DVec3], origin: DVec3) -> Self {
-        let count = points.len();
-        let mut table = [DVec3::ZERO; 4];
-        for (entry, &point) in table.iter_mut().zip(points) {
-            *entry = point - origin;
-        }
-        for level in 1..count {
-            for i in (level..count).rev() {
-                let width = knots[i] - knots[i - level];
-                table[i] = if width > 0.0 { (table[i] - table[i - 1]) / width } else { DVec3::ZERO };
-            }
-        }
-        let mut coefficients = [DVec3::ZERO; 4];
-        for i in (0..count).rev() {
-            // coefficients = coefficients * (u - knots[i]) + table[i]
-            for k in (1..4).rev() {
-                coefficients[k] = coefficients[k - 1] - coefficients[k] * knots[i];
-            }
-            coefficients[0] = table[i] - coefficients[0] * knots[i];
-        }
-        Self { coefficients }
-    }
-}
-
-/// The squared distance between a point of a curve and a point of the edge from the origin to `e`, as polynomials of the
-/// curve's parameter u: a few multiplications where vectors would take dozens. The filter asks millions of times.
-struct Distance {
-    /// |curve(u)|^2, degree 6.
-    square: [f64; 7],
-    /// curve(u) . e, degree 3.
-    along: [f64; 4],
-    /// |e|^2.
-    edge: f64,
-}
-
-impl Distance {
-    fn new(curve: &Curve, e: DVec3) -> Self {
-        let c = &curve.coefficients;
-        let mut square = [0.0; 7];
-        for i in 0..4 {
-            for j in 0..4 {
-                square[i + j] += c[i].dot(c[j]);
-            }
-        }
-        Self { square, along: c.map(|k| k.dot(e)), edge: e.length_squared() }
-    }
-
-    /// Parameter on the edge of the point nearest to curve(u), not clamped.
-    #[inline]
-    fn foot(&self, u: f64) -> f64 {
-        let a = &self.along;
-        (a[0] + u * (a[1] + u * (a[2] + u * a[3]))) / self.edge
-    }
-
-    #[inline]
-    fn at(&self, u: f64) -> f64 {
-        let t = self.foot(u).clamp(0.0, 1.0);
-        let square = self.square.iter().rev().fold(0.0, |sum, &c| sum * u + c);
-        square - t * self.edge * (2.0 * self.foot(u) - t)
-    }
-
-    /// First and second derivative by u, with the nearest point of the edge following.
-    #[inline]
-    fn derivatives(&self, u: f64) -> (f64, f64) {
-        let s = &self.square;
-        let first = s[1] + u * (2.0 * s[2] + u * (3.0 * s[3] + u * (4.0 * s[4] + u * (5.0 * s[5] + u * 6.0 * s[6]))));
-        let second = 2.0 * s[2] + u * (6.0 * s[3] + u * (12.0 * s[4] + u * (20.0 * s[5] + u * 30.0 * s[6])));
-        let a = &self.along;
-        let (slope, bend) = (a[1] + u * (2.0 * a[2] + u * 3.0 * a[3]), 2.0 * a[2] + u * 6.0 * a[3]);
-        let raw = self.foot(u);
-        let t = raw.clamp(0.0, 1.0);
-        let follows = if raw > 0.0 && raw < 1.0 { 2.0 * slope * slope / self.edge } else { 0.0 };
-        (first - 2.0 * t * slope, second - 2.0 * t * bend - follows)
-    }
-}
-
-/// Parameter on the edge from the origin to `e` of its point nearest to the curve between parameters `from` and `to`;
-/// `None` for an edge of zero length.
-fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<f64> {
-    let distance = Distance::new(curve, e);
-    if distance.edge == 0.0 {
-        return None;
-    }
-    let step = (to - from) / f64::from(STEPS);
-    let place = |k: u32| from + step * f64::from(k);
-    // The first of equals, counted from the middle: a curve that lies on the edge leaves the vertex in the middle.
-    let middle = STEPS / 2;
-    let mut best = (middle, distance.at(place(middle)));
-    for offset in 1..=middle {
-        for k in [middle - offset, middle + offset] {
-            let d = distance.at(place(k));
-            if d < best.1 {
-                best = (k, d);
-            }
-        }
-    }
-    let (mut low, mut high) = (place(best.0.saturating_sub(1)), place((best.0 + 1).min(STEPS)));
-    let mut u = place(best.0);
-    for _ in 0..NEWTON_STEPS {
-        let (first, second) = distance.derivatives(u);
-        if first > 0.0 {
-            high = u
-        } else {
-            low = u
-        }
-        let newton = u - first / second;
-        let next = if second > 0.0 && newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        let moved = (next - u).abs();
-        u = next;
-        if moved <= PARAMETER_STEP {
-            break;
-        }
-    }
-    Some(distance.foot(u).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -250,7 +172,7 @@ mod tests {
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 1.0, 0.0) };
         let at = |x: f64| DVec3::new(x, 0.0, 0.0);
         for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
-            let t = Cubic { knots }.target(&edge, &[at(-0.1), at(-3.0)], &[at(2.0), at(2.1)], 0.9);
+            let t = Cubic { knots, ..Cubic::default() }.target(&edge, &[at(-0.1), at(-3.0)], &[at(2.0), at(2.1)], 0.9);
             assert!((t - 0.5).abs() < 1e-9, "{knots:?} {t}");
         }
     }

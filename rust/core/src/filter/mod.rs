@@ -5,10 +5,13 @@
 
 pub mod closed_geodesic;
 pub mod cubic;
+pub mod cubic_curve;
 pub mod geodesic;
 pub mod linear;
 
 use glam::DVec3;
+
+use crate::options::MAX_SUPPORT;
 
 /// A mesh edge that a vertex of the line slides on: from `low` at parameter 0 to `high` at 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -27,19 +30,32 @@ impl Edge {
     }
 }
 
-/// Most neighbours a side that a filter looks at: the cubic's two, and one in place of each that the other side lacks.
-pub const MAX_REACH: usize = 3;
+/// Most neighbours a side that a filter looks at: the cubic's widest support, and one in place of each that the other side
+/// lacks.
+pub const MAX_REACH: usize = 2 * MAX_SUPPORT - 1;
 
 /// Neighbours of a vertex on one side, nearest first.
 pub type Side = arrayvec::ArrayVec<DVec3, MAX_REACH>;
 
 /// A filter of the paper's kind.
 pub trait SlidingFilter {
-    /// Neighbours a side that the target depends on. Where one side has fewer, the other gives one more.
+    /// Neighbours a side that the target depends on. Where one side has fewer, the other gives as many
+    /// more.
     fn reach(&self) -> usize;
 
     /// Where on `edge` the vertex belongs, in 0..=1, seen from its neighbours; `t` (where it is) when they do not tell.
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64;
+
+    /// The same target, and its change with each neighbour's place as a gradient: those before, nearest first, then those
+    /// after. No slopes where the target does not follow the neighbours.
+    fn target_with_slopes(
+        &self,
+        edge: &Edge,
+        before: &[DVec3],
+        after: &[DVec3],
+        t: f64,
+        slopes: &mut Vec<DVec3>,
+    ) -> f64;
 
     /// How bad a stretch of line is; step D passes a vertex only if this falls. `points` hold the changed stretch and
     /// `reach` fixed points on each side where there are as many.

@@ -8,6 +8,15 @@ use crate::filter::{Edge, Side};
 use crate::mesh::SurfaceMesh;
 use crate::route::Route;
 
+/// The neighbours of a vertex, nearest first; kept for its memory.
+#[derive(Clone, Debug, Default)]
+pub struct Neighbours {
+    /// Towards the start of the line.
+    pub before: Side,
+    /// Towards its end.
+    pub after: Side,
+}
+
 /// A line's vertices in order.
 #[derive(Clone, Debug, Default)]
 pub struct Beads {
@@ -98,27 +107,43 @@ impl Beads {
         }
     }
 
-    /// Up to `reach` neighbours on one side, nearest first.
+    /// Neighbours on both sides, `reach` each; where one side has fewer, the other gives as many more.
     #[inline]
-    pub fn neighbours(&self, i: usize, forward: bool, reach: usize) -> Side {
-        let mut side = Side::new();
-        let mut at = i;
-        while side.len() < reach {
-            let Some(next) = self.step(at, forward).filter(|&next| next != i) else { break };
-            at = next;
-            side.push(self.positions[at]);
+    pub fn neighbourhood(&self, i: usize, reach: usize, found: &mut Neighbours) {
+        found.before.clear();
+        found.after.clear();
+        self.extend_side(i, false, reach, &mut found.before);
+        self.extend_side(i, true, reach, &mut found.after);
+        match (found.before.len() < reach, found.after.len() < reach) {
+            (true, false) => self.extend_side(i, true, 2 * reach - found.before.len(), &mut found.after),
+            (false, true) => self.extend_side(i, false, 2 * reach - found.after.len(), &mut found.before),
+            _ => {}
         }
-        side
     }
 
-    /// Neighbours on both sides, `reach` each; where one side has fewer, the other gives one more.
+    /// Adds neighbours on one side, nearest first, until there are `count`.
     #[inline]
-    pub fn neighbourhood(&self, i: usize, reach: usize) -> (Side, Side) {
-        let (before, after) = (self.neighbours(i, false, reach), self.neighbours(i, true, reach));
-        match (before.len() < reach, after.len() < reach) {
-            (true, false) => (before, self.neighbours(i, true, reach + 1)),
-            (false, true) => (self.neighbours(i, false, reach + 1), after),
-            _ => (before, after),
+    fn extend_side(&self, i: usize, forward: bool, count: usize, side: &mut Side) {
+        let mut at = i;
+        let mut distance = 0;
+        while side.len() < count {
+            let Some(next) = self.step(at, forward).filter(|&next| next != i) else { break };
+            at = next;
+            distance += 1;
+            if distance > side.len() {
+                side.push(self.positions[at]);
+            }
         }
+    }
+
+    /// Neighbours that vertex `i` has on one side, counted up to `most`.
+    #[inline]
+    pub fn count_neighbours(&self, i: usize, forward: bool, most: usize) -> usize {
+        let others = self.len() - 1;
+        most.min(match (self.closed, forward) {
+            (true, _) => others,
+            (false, true) => others - i,
+            (false, false) => i,
+        })
     }
 }

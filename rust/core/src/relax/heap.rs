@@ -10,7 +10,7 @@
 use std::ops::ControlFlow;
 
 use crate::filter::SlidingFilter;
-use crate::relax::beads::Beads;
+use crate::relax::beads::{Beads, Neighbours};
 
 /// Moves between two calls of `on_pause`.
 const MOVES_PER_PAUSE: u64 = 1 << 12;
@@ -69,25 +69,27 @@ pub fn relax_by_heap(
     let mut heap = ErrorHeap::new(beads.len());
     let start = Swing { target: 0.0, damping: 1.0, last_step: 0.0, reversals: 0 };
     let mut swings = vec![start; beads.len()];
+    let mut sides = Neighbours::default();
     for (i, swing) in swings.iter_mut().enumerate() {
-        judge(beads, filter, i, threshold, swing, &mut heap);
+        judge(beads, filter, i, threshold, swing, &mut heap, &mut sides);
     }
+    let reach = filter.reach();
     let mut moves = 0;
     while let Some(i) = heap.first() {
         if moves == move_limit || (moves % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 && on_pause().is_break()) {
             return HeapOutcome { moves, end: HeapEnd::Stopped };
         }
         moves += 1;
-        slide(beads, i, &mut swings[i], filter.reach() > 1);
-        judge(beads, filter, i, threshold, &mut swings[i], &mut heap);
+        slide(beads, i, &mut swings[i], reach > 1);
+        judge(beads, filter, i, threshold, &mut swings[i], &mut heap, &mut sides);
         for forward in [false, true] {
             let mut at = i;
-            for distance in 0..=filter.reach() {
+            for distance in 1..2 * reach {
                 let Some(next) = beads.step(at, forward).filter(|&next| next != i) else { break };
                 at = next;
-                // One further than the reach: only a vertex next to an end looks that far.
-                if distance < filter.reach() || beads.neighbours(at, forward, filter.reach()).len() < filter.reach() {
-                    judge(beads, filter, at, threshold, &mut swings[at], &mut heap);
+                // Further away than the reach: only a vertex next to an end looks that far back.
+                if distance <= reach || distance + beads.count_neighbours(at, forward, reach) <= 2 * reach {
+                    judge(beads, filter, at, threshold, &mut swings[at], &mut heap, &mut sides);
                 }
             }
         }
@@ -123,13 +125,14 @@ fn judge(
     threshold: f64,
     swing: &mut Swing,
     heap: &mut ErrorHeap,
+    sides: &mut Neighbours,
 ) {
     if beads.is_fixed[i] {
         return;
     }
-    let (before, after) = beads.neighbourhood(i, filter.reach());
+    beads.neighbourhood(i, filter.reach(), sides);
     let t = beads.parameters[i];
-    swing.target = filter.target(&beads.edges[i], &before, &after, t);
+    swing.target = filter.target(&beads.edges[i], &sides.before, &sides.after, t);
     let error = (swing.target - t).abs();
     let step = swing.damping * error;
     heap.set(i, if error > threshold && step > REST * threshold { step } else { 0.0 });

@@ -1,0 +1,273 @@
+//! The cubic of the `cubic` filter: through points or nearest to them, and where on an edge it comes nearest.
+//!
+//! Holds the polynomials and the search on one edge; which points, and at which parameters, is told in `cubic`.
+
+use glam::DVec3;
+
+use super::MAX_REACH;
+
+/// The nearest point of the curve is sought between the two inner neighbours: first at this many steps, so that no
+/// nearer stretch is missed (the squared distance to a line is of degree 6: at most three valleys), then by Newton.
+const STEPS: u32 = 8;
+
+/// Newton steps on the curve's parameter; convergence is quadratic, bisection guards it.
+const NEWTON_STEPS: u32 = 30;
+
+/// Newton ends when the parameter moves by less than this, on a range of 2: the step after it would be its square.
+const PARAMETER_STEP: f64 = 1e-9;
+
+/// A power of the parameter is left out when, over the knots, it differs from the lower ones by less than this share of
+/// its size (squared): knots that coincide cannot tell it.
+const DEPENDENT: f64 = 1e-20;
+
+/// One number for each neighbour.
+pub type Row = arrayvec::ArrayVec<f64, { MAX_REACH + 1 }>;
+
+/// A polynomial of degree at most 3 in space.
+pub struct Curve {
+    coefficients: [DVec3; 4],
+}
+
+impl Curve {
+    /// Through at most four `points - origin`: Newton's divided differences, then expanded to powers.
+    pub fn through(knots: &[f64], points: &[DVec3], origin: DVec3) -> Self {
+        let count = points.len();
+        let mut table = [DVec3::ZERO; 4];
+        for (entry, &point) in table.iter_mut().zip(points) {
+            *entry = point - origin;
+        }
+        for level in 1..count {
+            for i in (level..count).rev() {
+                let width = knots[i] - knots[i - level];
+                table[i] = if width > 0.0 { (table[i] - table[i - 1]) / width } else { DVec3::ZERO };
+            }
+        }
+        let mut coefficients = [DVec3::ZERO; 4];
+        for i in (0..count).rev() {
+            // coefficients = coefficients * (u - knots[i]) + table[i]
+            for k in (1..4).rev() {
+                coefficients[k] = coefficients[k - 1] - coefficients[k] * knots[i];
+            }
+            coefficients[0] = table[i] - coefficients[0] * knots[i];
+        }
+        Self { coefficients }
+    }
+
+    /// The cubic with the least sum of squared distances to `points - origin` at the knots.
+    pub fn nearest_to(basis: &Basis, points: &[DVec3], origin: DVec3) -> Self {
+        let mut coefficients = [DVec3::ZERO; 4];
+        for (power, values) in basis.powers.iter().zip(&basis.values) {
+            let sum: DVec3 = values.iter().zip(points).map(|(&v, &point)| v * (point - origin)).sum();
+            coefficients.iter_mut().zip(power).for_each(|(c, &p)| *c += p * sum);
+        }
+        Self { coefficients }
+    }
+
+    fn at(&self, u: f64) -> DVec3 {
+        let c = &self.coefficients;
+        c[0] + u * (c[1] + u * (c[2] + u * c[3]))
+    }
+
+    /// First and second derivative.
+    fn derivatives(&self, u: f64) -> (DVec3, DVec3) {
+        let c = &self.coefficients;
+        (c[1] + u * (2.0 * c[2] + u * (3.0 * c[3])), 2.0 * c[2] + u * (6.0 * c[3]))
+    }
+}
+
+/// Polynomials of degree 0 to 3 that are orthogonal and of unit length over the knots (Forsythe 1957): with them least
+/// squares, and interpolation of four points, are plain sums.
+pub struct Basis {
+    /// Coefficients of the powers of the parameter.
+    powers: arrayvec::ArrayVec<[f64; 4], 4>,
+    /// Values at the knots.
+    values: arrayvec::ArrayVec<Row, 4>,
+}
+
+impl Basis {
+    /// Of the knots; fewer than four polynomials where the knots are fewer or coincide.
+    pub fn over(knots: &[f64]) -> Self {
+        let mut basis = Self { powers: arrayvec::ArrayVec::new(), values: arrayvec::ArrayVec::new() };
+        let mut power = [1.0, 0.0, 0.0, 0.0];
+        let mut values: Row = knots.iter().map(|_| 1.0).collect();
+        for _ in 0..knots.len().min(4) {
+            // What is left across the lower ones, taken twice: the first leaves rounding behind.
+            let size = square_sum(&values);
+            for _ in 0..2 {
+                for (lower_power, lower) in basis.powers.iter().zip(&basis.values) {
+                    let share: f64 = values.iter().zip(lower).map(|(a, b)| a * b).sum();
+                    values.iter_mut().zip(lower).for_each(|(v, l)| *v -= share * l);
+                    power.iter_mut().zip(lower_power).for_each(|(p, l)| *p -= share * l);
+                }
+            }
+            let rest = square_sum(&values);
+            // Written so that a size that is not a number ends it.
+            if !(rest > DEPENDENT * size && rest.is_finite()) {
+                break;
+            }
+            let scale = 1.0 / rest.sqrt();
+            values.iter_mut().for_each(|v| *v *= scale);
+            power.iter_mut().for_each(|p| *p *= scale);
+            basis.powers.push(power);
+            basis.values.push(values.clone());
+            values.iter_mut().zip(knots).for_each(|(v, &u)| *v *= u);
+            power = [0.0, power[0], power[1], power[2]];
+        }
+        basis
+    }
+
+    /// How much the curve at `u`, and its first derivative, follow each point.
+    fn weights(&self, u: f64) -> (Row, Row) {
+        let count = self.values.first().map_or(0, |v| v.len());
+        let mut weights: Row = (0..count).map(|_| 0.0).collect();
+        let mut slopes = weights.clone();
+        for (p, values) in self.powers.iter().zip(&self.values) {
+            let here = p[0] + u * (p[1] + u * (p[2] + u * p[3]));
+            let slope = p[1] + u * (2.0 * p[2] + u * (3.0 * p[3]));
+            weights.iter_mut().zip(values).for_each(|(w, v)| *w += here * v);
+            slopes.iter_mut().zip(values).for_each(|(w, v)| *w += slope * v);
+        }
+        (weights, slopes)
+    }
+}
+
+fn square_sum(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
+}
+
+/// The squared distance between a point of a curve and a point of the edge from the origin to `e`, as polynomials of the
+/// curve's parameter u: a few multiplications where vectors would take dozens. The filter asks millions of times.
+struct Distance {
+    /// |curve(u)|^2, degree 6.
+    square: [f64; 7],
+    /// curve(u) . e, degree 3.
+    along: [f64; 4],
+    /// |e|^2.
+    edge: f64,
+}
+
+impl Distance {
+    fn new(curve: &Curve, e: DVec3) -> Self {
+        let c = &curve.coefficients;
+        let mut square = [0.0; 7];
+        for i in 0..4 {
+            for j in 0..4 {
+                square[i + j] += c[i].dot(c[j]);
+            }
+        }
+        Self { square, along: c.map(|k| k.dot(e)), edge: e.length_squared() }
+    }
+
+    /// Parameter on the edge of the point nearest to curve(u), not clamped.
+    #[inline]
+    fn foot(&self, u: f64) -> f64 {
+        let a = &self.along;
+        (a[0] + u * (a[1] + u * (a[2] + u * a[3]))) / self.edge
+    }
+
+    #[inline]
+    fn at(&self, u: f64) -> f64 {
+        let t = self.foot(u).clamp(0.0, 1.0);
+        let square = self.square.iter().rev().fold(0.0, |sum, &c| sum * u + c);
+        square - t * self.edge * (2.0 * self.foot(u) - t)
+    }
+
+    /// First and second derivative by u, with the nearest point of the edge following.
+    #[inline]
+    fn derivatives(&self, u: f64) -> (f64, f64) {
+        let s = &self.square;
+        let first = s[1] + u * (2.0 * s[2] + u * (3.0 * s[3] + u * (4.0 * s[4] + u * (5.0 * s[5] + u * 6.0 * s[6]))));
+        let second = 2.0 * s[2] + u * (6.0 * s[3] + u * (12.0 * s[4] + u * (20.0 * s[5] + u * 30.0 * s[6])));
+        let a = &self.along;
+        let (slope, bend) = (a[1] + u * (2.0 * a[2] + u * 3.0 * a[3]), 2.0 * a[2] + u * 6.0 * a[3]);
+        let raw = self.foot(u);
+        let t = raw.clamp(0.0, 1.0);
+        let follows = if raw > 0.0 && raw < 1.0 { 2.0 * slope * slope / self.edge } else { 0.0 };
+        (first - 2.0 * t * slope, second - 2.0 * t * bend - follows)
+    }
+}
+
+/// A place on an edge, and the place on the curve that it is nearest to.
+#[derive(Clone, Copy)]
+pub struct Nearest {
+    /// Parameter on the edge, in 0..=1.
+    pub t: f64,
+    /// Parameter of the curve.
+    pub u: f64,
+}
+
+/// The point of the edge from the origin to `e` that is nearest to the curve between parameters `from` and `to`; `None`
+/// for an edge of zero length.
+pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<Nearest> {
+    let distance = Distance::new(curve, e);
+    if distance.edge == 0.0 {
+        return None;
+    }
+    let step = (to - from) / f64::from(STEPS);
+    let place = |k: u32| from + step * f64::from(k);
+    // The first of equals, counted from the middle: a curve that lies on the edge leaves the vertex in the middle.
+    let middle = STEPS / 2;
+    let mut best = (middle, distance.at(place(middle)));
+    for offset in 1..=middle {
+        for k in [middle - offset, middle + offset] {
+            let d = distance.at(place(k));
+            if d < best.1 {
+                best = (k, d);
+            }
+        }
+    }
+    let (mut low, mut high) = (place(best.0.saturating_sub(1)), place((best.0 + 1).min(STEPS)));
+    let mut u = place(best.0);
+    for _ in 0..NEWTON_STEPS {
+        let (first, second) = distance.derivatives(u);
+        if first > 0.0 {
+            high = u
+        } else {
+            low = u
+        }
+        let newton = u - first / second;
+        let next = if second > 0.0 && newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+        let moved = (next - u).abs();
+        u = next;
+        if moved <= PARAMETER_STEP {
+            break;
+        }
+    }
+    Some(Nearest { t: distance.foot(u).clamp(0.0, 1.0), u })
+}
+
+/// Change of the nearest place's parameter on the edge with each point that the curve is made from, its knots held: one
+/// gradient a point. Zero where the place is at an end of the edge, or is not told by the curve.
+pub fn slopes_of_nearest(
+    curve: &Curve,
+    basis: &Basis,
+    e: DVec3,
+    nearest: Nearest,
+    (from, to): (f64, f64),
+    slopes: &mut Vec<DVec3>,
+) {
+    let Nearest { t, u } = nearest;
+    let (weights, weight_slopes) = basis.weights(u);
+    slopes.clear();
+    if !(t > 0.0 && t < 1.0) {
+        slopes.extend(weights.iter().map(|_| DVec3::ZERO));
+        return;
+    }
+    let square = e.length_squared();
+    if u <= from || u >= to {
+        slopes.extend(weights.iter().map(|&w| w / square * e));
+        return;
+    }
+    // The place is where the distance's derivatives by u and by t vanish; both follow the point by its weight.
+    let (first, second) = curve.derivatives(u);
+    let apart = curve.at(u) - t * e;
+    let (by_uu, by_ut) = (first.length_squared() + apart.dot(second), -first.dot(e));
+    let determinant = by_uu * square - by_ut * by_ut;
+    let is_told = determinant > PARALLEL * first.length_squared() * square;
+    slopes.extend(weights.iter().zip(&weight_slopes).map(|(&w, &s)| {
+        if is_told { (by_uu * w * e + by_ut * (s * apart + w * first)) / determinant } else { DVec3::ZERO }
+    }));
+}
+
+/// Squared sine between curve and edge below which they count as parallel: the square of 1e-7, half the digits.
+const PARALLEL: f64 = 1e-14;
