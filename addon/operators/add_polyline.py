@@ -51,6 +51,13 @@ class MESH_OT_smooth_polyline_add(bpy.types.Operator):
     pinned: EnumProperty(name="Pinned", description="Picks that the line passes exactly", items=PINS, default="ENDS")
     solver: EnumProperty(name="Solver", description="How Linear and Cubic are computed", items=SOLVERS, default="AUTO")
     knots: EnumProperty(name="Knots", description="Spacing that Cubic works with", items=KNOTS, default="UNIFORM")
+    support: IntProperty(
+        name="Support",
+        description="Crossings on each side that Cubic looks at; 2: as in the paper, more: larger detail goes",
+        default=2,
+        min=2,
+        max=16,
+    )
     threshold: FloatProperty(
         name="Threshold",
         description="Error at which sliding stops, as a part of an edge: for Cubic, and for Linear one by one",
@@ -115,6 +122,7 @@ class MESH_OT_smooth_polyline_add(bpy.types.Operator):
             ("pinned", True),
             ("detail_size", self.filter == "FAIR"),
             ("knots", self.filter == "CUBIC"),
+            ("support", self.filter == "CUBIC"),
             ("solver", self.filter in {"LINEAR", "CUBIC"}),
             ("threshold", self.filter == "CUBIC" or is_by_heap),
             ("max_iterations", self.filter != "NONE"),
@@ -145,6 +153,7 @@ class MESH_OT_smooth_polyline_add(bpy.types.Operator):
             # Greyed out for the other filters, where a value left over from before must do no harm.
             solver=self.solver.lower() if self.filter in {"LINEAR", "CUBIC"} else "auto",
             knots=self.knots.lower() if self.filter == "CUBIC" else "uniform",
+            support=self.support if self.filter == "CUBIC" else 2,
             threshold=self.threshold,
             max_iterations=self.max_iterations or None,
             detail_size=(self.detail_size or None) if self.filter == "FAIR" else None,

@@ -29,6 +29,7 @@ REQUESTS = [
     {"filter": "CUBIC", "pinned": "ALL", "threshold": 1e-2},
     {"filter": "CUBIC", "closed": True, "max_iterations": 3},
     {"filter": "CUBIC", "knots": "CHORDAL"},
+    {"filter": "CUBIC", "support": 4},
 ]
 
 
@@ -109,7 +110,7 @@ def test_order_of_picking_counts_and_not_the_numbers_of_the_faces(suzanne):
 
 def test_automatic_iterations_and_left_over_values_of_other_filters_do_no_harm(suzanne):
     pick_faces(suzanne, SUZANNE_PICKS)
-    bpy.ops.mesh.smooth_polyline_add(filter="LINEAR", detail_size=0.3, knots="CHORDAL", max_iterations=0)
+    bpy.ops.mesh.smooth_polyline_add(filter="LINEAR", detail_size=0.3, knots="CHORDAL", support=3, max_iterations=0)
     bpy.ops.mesh.smooth_polyline_add(filter="NONE", solver="HEAP", detail_size=0.3)
     assert len(get_curves()) == 2
 
@@ -154,12 +155,12 @@ class RowRecorder:
 @pytest.mark.parametrize(
     ("filter_", "solver", "greyed_out"),
     [
-        ("LINEAR", "AUTO", {"detail_size", "knots", "threshold"}),
-        ("LINEAR", "HEAP", {"detail_size", "knots"}),
+        ("LINEAR", "AUTO", {"detail_size", "knots", "support", "threshold"}),
+        ("LINEAR", "HEAP", {"detail_size", "knots", "support"}),
         ("CUBIC", "AUTO", {"detail_size"}),
-        ("GEODESIC", "HEAP", {"detail_size", "knots", "solver", "threshold"}),
-        ("FAIR", "AUTO", {"knots", "solver", "threshold"}),
-        ("NONE", "AUTO", {"detail_size", "knots", "solver", "threshold", "max_iterations"}),
+        ("GEODESIC", "HEAP", {"detail_size", "knots", "support", "solver", "threshold"}),
+        ("FAIR", "AUTO", {"knots", "support", "solver", "threshold"}),
+        ("NONE", "AUTO", {"detail_size", "knots", "support", "solver", "threshold", "max_iterations"}),
     ],
 )
 def test_panel_shows_every_property_and_greys_out_what_is_not_used(extension, filter_, solver, greyed_out):

@@ -92,7 +92,7 @@ def test_all_properties_are_there_under_their_fixed_names(extension):
     defaults = {name: properties[name].default for name in ("closed", "max_iterations", "detail_size", "offset")}
     assert defaults == {"closed": False, "max_iterations": 0, "detail_size": 0.0, "offset": 0.0}
     assert properties["threshold"].default == pytest.approx(1e-4)
-    assert {"bevel", "name", "solver", "knots"} <= set(properties.keys())
+    assert {"bevel", "name", "solver", "knots", "support"} <= set(properties.keys())
 
 
 class Panic(BaseException):

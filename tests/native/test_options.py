@@ -17,13 +17,14 @@ PICKS = [3, 37, 71]
 def test_the_signature_is_the_contract():
     expected = {
         "closed": False, "filter": "linear", "pinned": "ends", "solver": "auto", "threshold": 1e-4,
-        "max_iterations": None, "detail_size": None, "knots": "uniform", "stages": False,
+        "max_iterations": None, "detail_size": None, "knots": "uniform", "support": 2,
+        "stages": False,
     }  # fmt: skip
     for method, leading in ((sp.SurfaceMesh.polyline, 2), (sp.SurfaceMesh.network, 3)):
         parameters = list(inspect.signature(method).parameters.values())[leading:]
         assert {p.name: p.default for p in parameters} == expected
         by_name_only = {p.name for p in parameters if p.kind is p.KEYWORD_ONLY}
-        assert by_name_only == {"knots", "stages"}
+        assert by_name_only == {"knots", "support", "stages"}
 
 
 def test_told_defaults_are_the_real_ones():
@@ -74,6 +75,7 @@ def test_another_word_is_refused_with_the_choices_alone(argument, word):
         ("filter", None), ("filter", 3), ("filter", b"linear"), ("solver", None), ("knots", 1.0),
         ("threshold", "1e-4"), ("threshold", None), ("threshold", True), ("threshold", 1j), ("threshold", [1e-4]),
         ("detail_size", "1"), ("detail_size", True),
+        ("support", 2.0), ("support", True), ("support", None), ("support", "2"), ("support", [2]),
         ("max_iterations", 1.0), ("max_iterations", True), ("max_iterations", "1"), ("max_iterations", [1]),
         ("pinned", None), ("pinned", True), ("pinned", [1, 0, 1]), ("pinned", [True, None, True]),
         ("pinned", {True}), ("pinned", np.array([1, 0, 1])), ("pinned", np.array([[True]])),
@@ -107,6 +109,23 @@ def test_max_iterations_from_1_on_are_taken(value):
 def test_max_iterations_below_1_are_refused(value):
     with pytest.raises(sp.OptionError, match=r"^max_iterations: .*at least 1"):
         MESH.polyline(PICKS, max_iterations=value)
+
+
+@pytest.mark.parametrize("value", [2, 16, np.uint8(7)])
+def test_a_support_from_2_to_16_is_taken(value):
+    MESH.polyline(PICKS, filter="cubic", support=value)
+
+
+@pytest.mark.parametrize("value", [-(2**200), -1, 0, 1, 17, 2**40, 2**200])
+def test_another_support_is_refused(value):
+    with pytest.raises(sp.OptionError, match=r"^support: found .*expected 2 to 16 neighbours a side"):
+        MESH.polyline(PICKS, filter="cubic", support=value)
+
+
+@pytest.mark.parametrize("filter_name", ["linear", "geodesic", "fair", "none"])
+def test_a_support_is_for_the_cubic_only(filter_name):
+    with pytest.raises(sp.OptionError, match=r'^support: found 3, .*"cubic"'):
+        MESH.polyline(PICKS, filter=filter_name, support=3)
 
 
 @pytest.mark.parametrize("filter_name", ["linear", "cubic", "geodesic", "none"])

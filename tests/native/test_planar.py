@@ -148,17 +148,18 @@ CUBICS = {
 }
 
 
+@pytest.mark.parametrize("support", [2, 3, 4, 16])
 @pytest.mark.parametrize("name", CUBICS)
-def test_cubic_leaves_a_line_on_a_uniform_cubic_alone(name):
+def test_cubic_leaves_a_line_on_a_uniform_cubic_alone(name, support):
     positions, triangles, ends, midpoints = make_cubic_ladder(np.array(CUBICS[name], float))
     mesh = sp.SurfaceMesh(positions, triangles)
     start = mesh.polyline(ends, filter="none")
     assert np.abs(start.points - midpoints).max() < 1e-12
-    line = mesh.polyline(ends, filter="cubic")
+    line = mesh.polyline(ends, filter="cubic", knots="uniform", support=support)
     assert np.abs(line.points - midpoints).max() < 1e-9
     assert (line.report.moves, line.report.vertex_passes) == (0, 0)
     # A tiny threshold finds nothing to improve either.
-    exact = mesh.polyline(ends, filter="cubic", threshold=TINY)
+    exact = mesh.polyline(ends, filter="cubic", knots="uniform", support=support, threshold=TINY)
     assert np.abs(exact.points - midpoints).max() < 1e-9
 
 

@@ -5,6 +5,7 @@
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
+use smooth_polylines_core::options::{DEFAULT_SUPPORT, MAX_SUPPORT};
 use smooth_polylines_core::{Filter, Knots, Pinned, Solver};
 
 use crate::choices::{choose, refuse_word};
@@ -55,6 +56,17 @@ pub fn read_threshold(value: &Bound<'_, PyAny>) -> PyResult<f64> {
 /// `detail_size`: a number or None.
 pub fn read_detail_size(value: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     if value.is_none() { Ok(None) } else { read_number("detail_size", value, "a number or None").map(Some) }
+}
+
+/// `support`: an integer of at least 0; what does not fit is refused by the core as too many.
+pub fn read_support(value: &Bound<'_, PyAny>) -> PyResult<usize> {
+    match read_integer(value)? {
+        Integer::Fits(number) if number >= 0 => Ok(usize::try_from(number).unwrap_or(usize::MAX)),
+        Integer::Fits(number) => Err(refuse_support(value.py(), &number.to_string())),
+        Integer::TooWide if value.lt(0)? => Err(refuse_support(value.py(), "an integer below -2^127")),
+        Integer::TooWide => Ok(usize::MAX),
+        Integer::No => Err(refuse_type("support", value, "an integer")),
+    }
 }
 
 /// `max_iterations`: an integer of at least 0 or None; what does not fit into 32 bits is no limit in practice.
@@ -142,6 +154,11 @@ fn refuse_negative(py: Python<'_>, found: &str) -> PyErr {
         "max_iterations",
         format!("found {found}, expected at least 1, or None for the filter's own limit"),
     )
+}
+
+fn refuse_support(py: Python<'_>, found: &str) -> PyErr {
+    let message = format!("found {found}, expected {DEFAULT_SUPPORT} to {MAX_SUPPORT} neighbours a side");
+    option_error(py, "support", message)
 }
 
 fn read_flag(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {

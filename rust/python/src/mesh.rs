@@ -7,7 +7,7 @@ use glam::DVec3;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
-use smooth_polylines_core::options::DEFAULT_THRESHOLD;
+use smooth_polylines_core::options::{DEFAULT_SUPPORT, DEFAULT_THRESHOLD};
 use smooth_polylines_core::{Filter, Knots, Options, Pinned, Polyline, Solver, SurfaceMesh, smooth};
 
 use crate::border::{Seconds, Watch, run_attached, run_detached};
@@ -16,7 +16,7 @@ use crate::frozen_arrays::{freeze_rows, point_rows};
 use crate::input_arrays::{read_connections, read_positions, read_triangle_faces, read_triangles};
 use crate::line_options::{
     read_closed, read_detail_size, read_filter, read_knots, read_max_iterations, read_pinned, read_solver, read_stages,
-    read_threshold,
+    read_support, read_threshold,
 };
 use crate::mesh_report::PyMeshReport;
 use crate::network::PyNetwork;
@@ -109,6 +109,9 @@ impl PySurfaceMesh {
     ///     "fair" only: wiggles much shorter than this length go; `inf`: as smooth as the pins allow.
     /// knots : "uniform", "centripetal" or "chordal"
     ///     "cubic" only: parameters of the neighbours; "uniform" is the paper's.
+    /// support : int
+    ///     "cubic" only: neighbours a side that the cubic is made from, 2 to 16. 2, the paper's: through them; more: the
+    ///     nearest to them by least squares, which takes out larger detail. Cost: in proportion to its square.
     /// stages : bool
     ///     Keep the points after each round in `report.stages`.
     ///
@@ -130,9 +133,10 @@ impl PySurfaceMesh {
     #[pyo3(
         signature = (picks, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
                      threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
-                     stages=false),
+                     support=DEFAULT_SUPPORT, stages=false),
         text_signature = "($self, picks, closed=False, filter='linear', pinned='ends', solver='auto', \
-                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', stages=False)"
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', \
+                          support=2, stages=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
     fn polyline(
@@ -147,10 +151,11 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_max_iterations)] max_iterations: Option<u32>,
         #[pyo3(from_py_with = read_detail_size)] detail_size: Option<f64>,
         #[pyo3(from_py_with = read_knots)] knots: Knots,
+        #[pyo3(from_py_with = read_support)] support: usize,
         #[pyo3(from_py_with = read_stages)] stages: bool,
     ) -> PyResult<PyPolyline> {
         let mut watch = Watch::start();
-        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, stages };
+        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks(picks)?;
         let line = run_detached(py, || smooth::polyline(&self.mesh, &picks, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
@@ -186,9 +191,10 @@ impl PySurfaceMesh {
     #[pyo3(
         signature = (picks, connections, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
                      threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
-                     stages=false),
+                     support=DEFAULT_SUPPORT, stages=false),
         text_signature = "($self, picks, connections, closed=False, filter='linear', pinned='ends', solver='auto', \
-                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', stages=False)"
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', \
+                          support=2, stages=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
     fn network(
@@ -204,10 +210,11 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_max_iterations)] max_iterations: Option<u32>,
         #[pyo3(from_py_with = read_detail_size)] detail_size: Option<f64>,
         #[pyo3(from_py_with = read_knots)] knots: Knots,
+        #[pyo3(from_py_with = read_support)] support: usize,
         #[pyo3(from_py_with = read_stages)] stages: bool,
     ) -> PyResult<PyNetwork> {
         let mut watch = Watch::start();
-        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, stages };
+        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks(picks)?;
         let connections = read_connections("connections", connections)?;
         let lines = run_detached(py, || smooth::network(&self.mesh, &picks, &connections, &options, &mut watch))?

@@ -176,4 +176,66 @@ mod tests {
             assert!((t - 0.5).abs() < 1e-9, "{knots:?} {t}");
         }
     }
+
+    #[test]
+    fn a_vertex_on_the_cubic_of_more_neighbours_stays_also_near_an_end() {
+        let here = on_cubic(0.0);
+        let edge = Edge { low: here - DVec3::Z, high: here + 3.0 * DVec3::Z };
+        for support in [3, 4, 16] {
+            let cubic = Cubic { support, ..Cubic::default() };
+            for count in [1, 2, support] {
+                let before: Vec<DVec3> = (1..=count).map(|i| on_cubic(-(i as f64))).collect();
+                let after: Vec<DVec3> = (1..=2 * support - count).map(|i| on_cubic(i as f64)).collect();
+                let t = cubic.target(&edge, &before, &after, 0.9);
+                assert!((t - 0.25).abs() < 1e-9, "support {support}, {count} before: {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_least_squares_cubic_leaves_out_what_is_no_cubic() {
+        // Heights that are orthogonal to all cubics over the six uniform knots -3 to 3: the fifth difference's weights
+        // over knots with a gap in the middle, found by Lagrange's formula.
+        let knots = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0f64];
+        let weight = |i: usize| (0..6).filter(|&j| j != i).map(|j| 1.0 / (knots[i] - knots[j])).product::<f64>();
+        let at = |i: usize| DVec3::new(knots[i], 10.0 * weight(i), 0.0);
+        let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 1.0, 0.0) };
+        let cubic = Cubic { support: 3, knots: Knots::Uniform };
+        let t = cubic.target(&edge, &[at(2), at(1), at(0)], &[at(3), at(4), at(5)], 0.9);
+        assert!((t - 0.5).abs() < 1e-12, "{t}");
+    }
+
+    #[test]
+    fn slopes_are_the_derivatives_of_the_target() {
+        let edge = Edge { low: DVec3::new(0.1, -1.0, 0.2), high: DVec3::new(0.3, 2.0, -0.5) };
+        let places = |count: usize| -> Vec<DVec3> {
+            let wave = |i: usize| DVec3::new(i as f64 - (count / 2) as f64 + 0.5, (i as f64).sin() / 3.0, 0.1 * i as f64);
+            (0..count).map(wave).collect()
+        };
+        // Knots that depend on the places are held, so only the uniform ones give the whole derivative.
+        for (support, at) in [(2, 1), (2, 2), (2, 3), (3, 3), (3, 1), (5, 5)] {
+            let cubic = Cubic { support, knots: Knots::Uniform };
+            let all = places(2 * support);
+            let target = |all: &[DVec3], slopes: &mut Vec<DVec3>| {
+                let before: Vec<DVec3> = all[..at].iter().rev().copied().collect();
+                cubic.target_with_slopes(&edge, &before, &all[at..], 0.5, slopes)
+            };
+            let mut slopes = Vec::new();
+            let t = target(&all, &mut slopes);
+            assert!(t > 0.0 && t < 1.0 && slopes.len() == all.len(), "{t}");
+            let in_order: Vec<DVec3> = slopes[..at].iter().rev().chain(&slopes[at..]).copied().collect();
+            let (h, mut unused) = (1e-5, Vec::new());
+            for (j, slope) in in_order.iter().enumerate() {
+                for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                    let mut moved = |by: f64| {
+                        let mut moved = all.clone();
+                        moved[j] += by * axis;
+                        target(&moved, &mut unused)
+                    };
+                    let expected = (moved(h) - moved(-h)) / (2.0 * h);
+                    assert!((slope.dot(axis) - expected).abs() < 1e-6, "{support} {at} {j}: {slope} {axis} {expected}");
+                }
+            }
+        }
+    }
 }

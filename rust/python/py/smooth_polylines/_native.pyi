@@ -163,6 +163,7 @@ class SurfaceMesh:
         detail_size: float | None = None,
         *,
         knots: _Knots = "uniform",
+        support: SupportsIndex = 2,
         stages: bool = False,
     ) -> Polyline: ...
     def network(
@@ -178,6 +179,7 @@ class SurfaceMesh:
         detail_size: float | None = None,
         *,
         knots: _Knots = "uniform",
+        support: SupportsIndex = 2,
         stages: bool = False,
     ) -> Network: ...
     def line_from_bytes(self, data: bytes | bytearray) -> Polyline: ...
