@@ -66,7 +66,14 @@ pub fn smooth_route(
         }
         Filter::Linear => smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?,
         Filter::Cubic => {
-            smooth_sliding(mesh, &mut route, &Cubic { knots: options.knots, support: options.support }, options, &mut report, observer)?;
+            smooth_sliding(
+                mesh,
+                &mut route,
+                &Cubic { knots: options.knots, support: options.support },
+                options,
+                &mut report,
+                observer,
+            )?;
         }
         Filter::Fair => {
             let message =

@@ -155,7 +155,8 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_stages)] stages: bool,
     ) -> PyResult<PyPolyline> {
         let mut watch = Watch::start();
-        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
+        let options =
+            Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks(picks)?;
         let line = run_detached(py, || smooth::polyline(&self.mesh, &picks, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
@@ -214,7 +215,8 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_stages)] stages: bool,
     ) -> PyResult<PyNetwork> {
         let mut watch = Watch::start();
-        let options = Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
+        let options =
+            Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks(picks)?;
         let connections = read_connections("connections", connections)?;
         let lines = run_detached(py, || smooth::network(&self.mesh, &picks, &connections, &options, &mut watch))?

@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge, slopes_of_nearest};
+use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge};
 use super::{Edge, MAX_REACH, SlidingFilter};
 use crate::options::{DEFAULT_SUPPORT, Knots};
 
@@ -54,36 +54,7 @@ impl SlidingFilter for Cubic {
         } else {
             Curve::nearest_to(&Basis::over(&knots), &points, edge.low)
         };
-        nearest_on_edge(&curve, edge.high - edge.low, knots[inner], knots[inner + 1]).map_or(t, |nearest| nearest.t)
-    }
-
-    fn target_with_slopes(
-        &self,
-        edge: &Edge,
-        before: &[DVec3],
-        after: &[DVec3],
-        t: f64,
-        slopes: &mut Vec<DVec3>,
-    ) -> f64 {
-        slopes.clear();
-        if before.is_empty() || after.is_empty() {
-            return t;
-        }
-        let points = self.choose_points(before, after);
-        let inner = before.len() - 1;
-        let knots = self.place_knots(&points, inner);
-        let basis = Basis::over(&knots);
-        let curve = if points.len() <= INTERPOLATED {
-            Curve::through(&knots, &points, edge.low)
-        } else {
-            Curve::nearest_to(&basis, &points, edge.low)
-        };
-        let (e, range) = (edge.high - edge.low, (knots[inner], knots[inner + 1]));
-        let Some(nearest) = nearest_on_edge(&curve, e, range.0, range.1) else { return t };
-        slopes_of_nearest(&curve, &basis, e, nearest, range, slopes);
-        // In the order of the sides: nearest first, before and after.
-        slopes[..before.len()].reverse();
-        nearest.t
+        nearest_on_edge(&curve, edge.high - edge.low, knots[inner], knots[inner + 1]).unwrap_or(t)
     }
 
     /// The bending energy of the polyline: squared turn of its direction over half the length of the two segments.
@@ -203,39 +174,5 @@ mod tests {
         let cubic = Cubic { support: 3, knots: Knots::Uniform };
         let t = cubic.target(&edge, &[at(2), at(1), at(0)], &[at(3), at(4), at(5)], 0.9);
         assert!((t - 0.5).abs() < 1e-12, "{t}");
-    }
-
-    #[test]
-    fn slopes_are_the_derivatives_of_the_target() {
-        let edge = Edge { low: DVec3::new(0.1, -1.0, 0.2), high: DVec3::new(0.3, 2.0, -0.5) };
-        let places = |count: usize| -> Vec<DVec3> {
-            let wave = |i: usize| DVec3::new(i as f64 - (count / 2) as f64 + 0.5, (i as f64).sin() / 3.0, 0.1 * i as f64);
-            (0..count).map(wave).collect()
-        };
-        // Knots that depend on the places are held, so only the uniform ones give the whole derivative.
-        for (support, at) in [(2, 1), (2, 2), (2, 3), (3, 3), (3, 1), (5, 5)] {
-            let cubic = Cubic { support, knots: Knots::Uniform };
-            let all = places(2 * support);
-            let target = |all: &[DVec3], slopes: &mut Vec<DVec3>| {
-                let before: Vec<DVec3> = all[..at].iter().rev().copied().collect();
-                cubic.target_with_slopes(&edge, &before, &all[at..], 0.5, slopes)
-            };
-            let mut slopes = Vec::new();
-            let t = target(&all, &mut slopes);
-            assert!(t > 0.0 && t < 1.0 && slopes.len() == all.len(), "{t}");
-            let in_order: Vec<DVec3> = slopes[..at].iter().rev().chain(&slopes[at..]).copied().collect();
-            let (h, mut unused) = (1e-5, Vec::new());
-            for (j, slope) in in_order.iter().enumerate() {
-                for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-                    let mut moved = |by: f64| {
-                        let mut moved = all.clone();
-                        moved[j] += by * axis;
-                        target(&moved, &mut unused)
-                    };
-                    let expected = (moved(h) - moved(-h)) / (2.0 * h);
-                    assert!((slope.dot(axis) - expected).abs() < 1e-6, "{support} {at} {j}: {slope} {axis} {expected}");
-                }
-            }
-        }
     }
 }

@@ -62,17 +62,6 @@ impl Curve {
         }
         Self { coefficients }
     }
-
-    fn at(&self, u: f64) -> DVec3 {
-        let c = &self.coefficients;
-        c[0] + u * (c[1] + u * (c[2] + u * c[3]))
-    }
-
-    /// First and second derivative.
-    fn derivatives(&self, u: f64) -> (DVec3, DVec3) {
-        let c = &self.coefficients;
-        (c[1] + u * (2.0 * c[2] + u * (3.0 * c[3])), 2.0 * c[2] + u * (6.0 * c[3]))
-    }
 }
 
 /// Polynomials of degree 0 to 3 that are orthogonal and of unit length over the knots (Forsythe 1957): with them least
@@ -114,20 +103,6 @@ impl Basis {
             power = [0.0, power[0], power[1], power[2]];
         }
         basis
-    }
-
-    /// How much the curve at `u`, and its first derivative, follow each point.
-    fn weights(&self, u: f64) -> (Row, Row) {
-        let count = self.values.first().map_or(0, |v| v.len());
-        let mut weights: Row = (0..count).map(|_| 0.0).collect();
-        let mut slopes = weights.clone();
-        for (p, values) in self.powers.iter().zip(&self.values) {
-            let here = p[0] + u * (p[1] + u * (p[2] + u * p[3]));
-            let slope = p[1] + u * (2.0 * p[2] + u * (3.0 * p[3]));
-            weights.iter_mut().zip(values).for_each(|(w, v)| *w += here * v);
-            slopes.iter_mut().zip(values).for_each(|(w, v)| *w += slope * v);
-        }
-        (weights, slopes)
     }
 }
 
@@ -187,18 +162,9 @@ impl Distance {
     }
 }
 
-/// A place on an edge, and the place on the curve that it is nearest to.
-#[derive(Clone, Copy)]
-pub struct Nearest {
-    /// Parameter on the edge, in 0..=1.
-    pub t: f64,
-    /// Parameter of the curve.
-    pub u: f64,
-}
-
-/// The point of the edge from the origin to `e` that is nearest to the curve between parameters `from` and `to`; `None`
-/// for an edge of zero length.
-pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<Nearest> {
+/// Parameter on the edge from the origin to `e` of its point nearest to the curve between parameters `from` and `to`;
+/// `None` for an edge of zero length.
+pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<f64> {
     let distance = Distance::new(curve, e);
     if distance.edge == 0.0 {
         return None;
@@ -233,41 +199,5 @@ pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<Ne
             break;
         }
     }
-    Some(Nearest { t: distance.foot(u).clamp(0.0, 1.0), u })
+    Some(distance.foot(u).clamp(0.0, 1.0))
 }
-
-/// Change of the nearest place's parameter on the edge with each point that the curve is made from, its knots held: one
-/// gradient a point. Zero where the place is at an end of the edge, or is not told by the curve.
-pub fn slopes_of_nearest(
-    curve: &Curve,
-    basis: &Basis,
-    e: DVec3,
-    nearest: Nearest,
-    (from, to): (f64, f64),
-    slopes: &mut Vec<DVec3>,
-) {
-    let Nearest { t, u } = nearest;
-    let (weights, weight_slopes) = basis.weights(u);
-    slopes.clear();
-    if !(t > 0.0 && t < 1.0) {
-        slopes.extend(weights.iter().map(|_| DVec3::ZERO));
-        return;
-    }
-    let square = e.length_squared();
-    if u <= from || u >= to {
-        slopes.extend(weights.iter().map(|&w| w / square * e));
-        return;
-    }
-    // The place is where the distance's derivatives by u and by t vanish; both follow the point by its weight.
-    let (first, second) = curve.derivatives(u);
-    let apart = curve.at(u) - t * e;
-    let (by_uu, by_ut) = (first.length_squared() + apart.dot(second), -first.dot(e));
-    let determinant = by_uu * square - by_ut * by_ut;
-    let is_told = determinant > PARALLEL * first.length_squared() * square;
-    slopes.extend(weights.iter().zip(&weight_slopes).map(|(&w, &s)| {
-        if is_told { (by_uu * w * e + by_ut * (s * apart + w * first)) / determinant } else { DVec3::ZERO }
-    }));
-}
-
-/// Squared sine between curve and edge below which they count as parallel: the square of 1e-7, half the digits.
-const PARALLEL: f64 = 1e-14;

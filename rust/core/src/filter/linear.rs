@@ -19,23 +19,7 @@ impl SlidingFilter for Linear {
     /// See [`target_with_slopes`]; clamped to the edge.
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64 {
         let (Some(&p), Some(&q)) = (before.first(), after.first()) else { return t };
-        target_with_slopes(edge, p, q, t).target.clamp(0.0, 1.0)
-    }
-
-    fn target_with_slopes(
-        &self,
-        edge: &Edge,
-        before: &[DVec3],
-        after: &[DVec3],
-        t: f64,
-        slopes: &mut Vec<DVec3>,
-    ) -> f64 {
-        slopes.clear();
-        let (Some(&p), Some(&q)) = (before.first(), after.first()) else { return t };
-        let found = target_with_slopes(edge, p, q, t);
-        let target = found.target.clamp(0.0, 1.0);
-        slopes.extend(found.slopes.map(|slope| if target == found.target { slope } else { DVec3::ZERO }));
-        target
+        target_with_slopes(edge, (p, DVec3::ZERO), (q, DVec3::ZERO), t).target.clamp(0.0, 1.0)
     }
 
     fn measure(&self, points: &[DVec3]) -> f64 {
@@ -48,14 +32,20 @@ impl SlidingFilter for Linear {
 pub struct TargetSlopes {
     /// Parameter on the edge, not clamped.
     pub target: f64,
-    /// Change of the target with the places of the neighbours before and after: gradients.
-    pub slopes: [DVec3; 2],
+    /// Change of the target when the neighbour before, after moves along its own edge, for each unit of its parameter.
+    pub slopes: [f64; 2],
 }
 
-/// The point of the edge's line that is nearest to the infinite line through the neighbours `p` and `q`.
+/// The point of the edge's line that is nearest to the infinite line through the neighbours `p` and `q`, each given with
+/// the vector that it slides along.
 ///
 /// Both neighbours in one place: the point nearest to it. The line parallel to the edge, or an edge of zero length: `t`.
-pub fn target_with_slopes(edge: &Edge, p: DVec3, q: DVec3, t: f64) -> TargetSlopes {
+pub fn target_with_slopes(
+    edge: &Edge,
+    (p, p_slide): (DVec3, DVec3),
+    (q, q_slide): (DVec3, DVec3),
+    t: f64,
+) -> TargetSlopes {
     let (e, a, d) = (edge.high - edge.low, p - edge.low, q - p);
     let square = d.length_squared();
     // target = (a across . e) / (e across . e), where "across" leaves out what is along d.
@@ -63,15 +53,18 @@ pub fn target_with_slopes(edge: &Edge, p: DVec3, q: DVec3, t: f64) -> TargetSlop
     let e_across = e - d * ed;
     let below = e_across.length_squared();
     if below <= PARALLEL * e.length_squared() {
-        return TargetSlopes { target: t, slopes: [DVec3::ZERO; 2] };
+        return TargetSlopes { target: t, slopes: [0.0; 2] };
     }
     let target = (a - d * ad).dot(e_across) / below;
     if square == 0.0 {
-        return TargetSlopes { target, slopes: [DVec3::ZERO; 2] };
+        return TargetSlopes { target, slopes: [0.0; 2] };
     }
-    // By a with d held, and by d with a held; p moves both, q moves d.
-    let by_d = -ed * a - ad * e + 2.0 * ad * ed * d - 2.0 * target * ed * (ed * d - e);
-    TargetSlopes { target, slopes: [(e_across - by_d) / below, by_d / below] }
+    let slope = |da: DVec3, dd: DVec3| {
+        let along = 2.0 * d.dot(dd);
+        let above = da.dot(e) - (da.dot(d) + a.dot(dd)) * ed - ad * e.dot(dd) + ad * ed * along;
+        above - target * (ed * ed * along - 2.0 * ed * e.dot(dd))
+    };
+    TargetSlopes { target, slopes: [slope(p_slide, -p_slide) / below, slope(DVec3::ZERO, q_slide) / below] }
 }
 
 /// Squared sine below which an edge counts as parallel to the line: the square of 1e-14, the rounding of a direction.
@@ -95,12 +88,11 @@ mod tests {
         let edge = Edge { low: DVec3::new(0.1, -1.0, 0.2), high: DVec3::new(0.3, 2.0, -0.5) };
         let (p, q) = (DVec3::new(-1.0, 0.2, 0.1), DVec3::new(1.5, 0.4, 0.6));
         let (u, v) = (DVec3::new(0.2, 0.9, 0.4), DVec3::new(-0.3, 1.1, 0.2));
-        let at = |s: f64, r: f64| target_with_slopes(&edge, p + s * u, q + r * v, 0.0);
+        let at = |s: f64, r: f64| target_with_slopes(&edge, (p + s * u, u), (q + r * v, v), 0.0);
         let h = 1e-6;
         let by_p = (at(h, 0.0).target - at(-h, 0.0).target) / (2.0 * h);
         let by_q = (at(0.0, h).target - at(0.0, -h).target) / (2.0 * h);
-        let [before, after] = at(0.0, 0.0).slopes;
-        let slopes = [before.dot(u), after.dot(v)];
+        let slopes = at(0.0, 0.0).slopes;
         assert!((slopes[0] - by_p).abs() < 1e-8 && (slopes[1] - by_q).abs() < 1e-8, "{slopes:?} {by_p} {by_q}");
     }
 

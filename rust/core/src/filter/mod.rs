@@ -46,17 +46,6 @@ pub trait SlidingFilter {
     /// Where on `edge` the vertex belongs, in 0..=1, seen from its neighbours; `t` (where it is) when they do not tell.
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64;
 
-    /// The same target, and its change with each neighbour's place as a gradient: those before, nearest first, then those
-    /// after. No slopes where the target does not follow the neighbours.
-    fn target_with_slopes(
-        &self,
-        edge: &Edge,
-        before: &[DVec3],
-        after: &[DVec3],
-        t: f64,
-        slopes: &mut Vec<DVec3>,
-    ) -> f64;
-
     /// How bad a stretch of line is; step D passes a vertex only if this falls. `points` hold the changed stretch and
     /// `reach` fixed points on each side where there are as many.
     fn measure(&self, points: &[DVec3]) -> f64;

@@ -75,13 +75,18 @@ fn residual(beads: &Beads, mut matrix: Option<&mut Banded>) -> Vec<f64> {
             let edge = &beads.edges[i];
             let slide = |j: usize| beads.edges[j].high - beads.edges[j].low;
             let t = beads.parameters[i];
-            let found = target_with_slopes(edge, beads.positions[before], beads.positions[after], t);
+            let found = target_with_slopes(
+                edge,
+                (beads.positions[before], slide(before)),
+                (beads.positions[after], slide(after)),
+                t,
+            );
             let target = found.target.clamp(0.0, 1.0);
             if let Some(matrix) = &mut matrix {
                 matrix.add(i, 0, 1.0);
                 if target == found.target {
-                    matrix.add(i, -1, -found.slopes[0].dot(slide(before)));
-                    matrix.add(i, 1, -found.slopes[1].dot(slide(after)));
+                    matrix.add(i, -1, -found.slopes[0]);
+                    matrix.add(i, 1, -found.slopes[1]);
                 }
             }
             t - target
