@@ -103,6 +103,17 @@ impl OptionError {
     pub fn new(argument: &'static str, message: impl Into<String>) -> Self {
         Self { argument, message: message.into() }
     }
+
+    /// The same error, where what it calls picks are the points of a stroke.
+    pub fn about_points(self) -> Self {
+        match self.argument {
+            "picks" => {
+                let renamed = self.message.strip_prefix("pick ").map(|rest| format!("point {rest}"));
+                Self { argument: "points", message: renamed.unwrap_or(self.message) }
+            }
+            _ => self,
+        }
+    }
 }
 
 /// Why no line could be made.
@@ -116,13 +127,15 @@ pub enum Error {
     Option(#[from] OptionError),
     /// Two consecutive picks cannot be joined.
     #[error(
-        "picks {first} and {second} lie on parts of the mesh that are not connected ({parts} parts); \
+        "{argument} {first} and {second} lie on parts of the mesh that are not connected ({parts} parts); \
          join them or merge vertices by distance first"
     )]
     NoPath {
-        /// Position in `picks`.
+        /// What they are called: `picks`, or `points` of a stroke.
+        argument: &'static str,
+        /// Position in the argument.
         first: usize,
-        /// Position in `picks`.
+        /// Position in the argument.
         second: usize,
         /// Parts of the mesh, where a part is what can be reached across edges of two triangles.
         parts: usize,
@@ -145,8 +158,8 @@ impl Error {
     /// The same error with picks named by their places in a longer list: `places[i]` is where pick `i` stands.
     pub fn with_picks(self, places: [usize; 2]) -> Self {
         match self {
-            Self::NoPath { first, second, parts } => {
-                Self::NoPath { first: places[first], second: places[second], parts }
+            Self::NoPath { argument, first, second, parts } => {
+                Self::NoPath { argument, first: places[first], second: places[second], parts }
             }
             Self::Option(OptionError { argument: "picks", message }) => {
                 // Messages of the picks begin with the pick that they are about.

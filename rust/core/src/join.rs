@@ -3,21 +3,23 @@
 //! Holds the rules of the contract about picks (equal ones, closed lines, which are pinned). Does no smoothing.
 
 use crate::error::{Error, OptionError, Result};
+use crate::ids::{HalfedgeId, TriangleId};
 use crate::mesh::SurfaceMesh;
 use crate::options::{Options, Pinned};
 use crate::report::{Observer, Report};
 use crate::route::{Leg, Route, Spot, join_at, spot_of, triangles_round};
 use crate::search::SearchEnd;
-use crate::strip::{entered_triangle, push_reduced, reduce_seam};
 use crate::surface_point::{Pick, SurfacePoint};
 
-/// A pick that was resolved and is different from the one before it.
+/// A pick, or a point of a stroke, that was resolved and is different from the one before it.
 #[derive(Clone, Copy, Debug)]
-struct Station {
-    point: SurfacePoint,
-    is_pinned: bool,
-    /// Position in the caller's `picks`, for messages.
-    pick_index: usize,
+pub struct Station {
+    /// Where it is.
+    pub point: SurfacePoint,
+    /// Whether the line passes through it exactly.
+    pub is_pinned: bool,
+    /// Position in the caller's `picks` or `points`, for messages.
+    pub pick_index: usize,
 }
 
 /// Joins picks by step B into a route through midpoints, and notes pops in `report`.
@@ -32,20 +34,41 @@ pub fn join_picks(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<Route> {
-    let stations = resolve_stations(mesh, picks, options)?;
-    join_stations(mesh, &stations, options.closed, report, observer)
+    let points = picks.iter().enumerate().map(|(i, pick)| mesh.resolve_pick(i, pick)).collect::<Result<Vec<_>, _>>()?;
+    let stations = place_stations(mesh, &points, "picks", options)?;
+    let ends: Vec<SearchEnd> = stations.iter().map(|s| search_end(mesh, &s.point)).collect();
+    let midpoint = |_: &SurfacePoint, _: HalfedgeId| 0.5;
+    join_stations(mesh, &stations, options.closed, midpoint, |i, j, _| {
+        let found = mesh.dual_graph().find_strip(&ends[i], &ends[j], observer)?;
+        let found = found.ok_or_else(|| no_path(mesh, "picks", &stations[i], &stations[j]))?;
+        report.pops += found.pops;
+        Ok(Leg::through_midpoints(found.first, found.word))
+    })
 }
 
-fn resolve_stations(mesh: &SurfaceMesh, picks: &[Pick], options: &Options) -> Result<Vec<Station>> {
-    if picks.is_empty() {
-        return Err(
-            OptionError::new("picks", "found none, expected at least one; pass face ids or surface points").into()
-        );
+/// The refusal of two stations that are not connected.
+pub fn no_path(mesh: &SurfaceMesh, argument: &'static str, first: &Station, second: &Station) -> Error {
+    Error::NoPath { argument, first: first.pick_index, second: second.pick_index, parts: mesh.report().parts }
+}
+
+/// Points of a line as stations: equal neighbours merged, pins noted, counts checked. `argument` is what messages call
+/// the points.
+pub fn place_stations(
+    mesh: &SurfaceMesh,
+    points: &[SurfacePoint],
+    argument: &'static str,
+    options: &Options,
+) -> Result<Vec<Station>> {
+    if points.is_empty() {
+        let message = match argument {
+            "picks" => "found none, expected at least one; pass face ids or surface points",
+            _ => "found none, expected at least one; pass points near the surface",
+        };
+        return Err(OptionError::new(argument, message).into());
     }
-    let flags = pin_flags(picks.len(), options)?;
-    let mut stations: Vec<Station> = Vec::with_capacity(picks.len());
-    for (pick_index, (pick, &is_pinned)) in picks.iter().zip(&flags).enumerate() {
-        let point = mesh.resolve_pick(pick_index, pick)?;
+    let flags = pin_flags(points.len(), argument, options)?;
+    let mut stations: Vec<Station> = Vec::with_capacity(points.len());
+    for (pick_index, (&point, &is_pinned)) in points.iter().zip(&flags).enumerate() {
         match stations.last_mut() {
             Some(last) if is_same_place(mesh, &last.point, &point) => last.is_pinned |= is_pinned,
             _ => stations.push(Station { point, is_pinned, pick_index }),
@@ -60,9 +83,9 @@ fn resolve_stations(mesh: &SurfaceMesh, picks: &[Pick], options: &Options) -> Re
         let distinct = (0..stations.len()).filter(|&i| is_new(i)).take(3).count();
         if distinct < 3 {
             return Err(OptionError::new(
-                "picks",
+                argument,
                 format!(
-                    "a closed line needs at least 3 different picks, found {distinct}; add picks or use closed=False"
+                    "a closed line needs at least 3 different {argument}, found {distinct}; add {argument} or use closed=False"
                 ),
             )
             .into());
@@ -79,14 +102,14 @@ fn is_same_place(mesh: &SurfaceMesh, a: &SurfacePoint, b: &SurfacePoint) -> bool
 }
 
 /// One flag a pick; the ends of an open line are always pinned.
-fn pin_flags(count: usize, options: &Options) -> Result<Vec<bool>, OptionError> {
+fn pin_flags(count: usize, argument: &str, options: &Options) -> Result<Vec<bool>, OptionError> {
     let is_end = |i: usize| !options.closed && (i == 0 || i + 1 == count);
     match &options.pinned {
         Pinned::Ends => Ok((0..count).map(is_end).collect()),
         Pinned::All => Ok(vec![true; count]),
         Pinned::Each(flags) if flags.len() != count => Err(OptionError::new(
             "pinned",
-            format!("found {} flags for {count} picks, expected one a pick, or \"ends\" or \"all\"", flags.len()),
+            format!("found {} flags for {count} {argument}, expected one each, or \"ends\" or \"all\"", flags.len()),
         )),
         Pinned::Each(flags) => match flags.iter().enumerate().find(|&(i, &flag)| is_end(i) && !flag) {
             Some((i, _)) => Err(OptionError::new(
@@ -100,69 +123,63 @@ fn pin_flags(count: usize, options: &Options) -> Result<Vec<bool>, OptionError> 
     }
 }
 
-fn search_end(mesh: &SurfaceMesh, point: &SurfacePoint) -> SearchEnd {
+/// Where a search from or to a point may start or end.
+pub fn search_end(mesh: &SurfaceMesh, point: &SurfacePoint) -> SearchEnd {
     let triangles = triangles_round(mesh, point);
     let anchor =
         if triangles.len() == 1 { mesh.dual_graph().barycentre(triangles[0]) } else { mesh.position_of(point) };
     SearchEnd { triangles, anchor }
 }
 
-fn join_stations(
+/// The route through stations. `join(i, j, triangle)` gives the stretch from station `i` to `j`, which may start in any
+/// triangle that holds `i`, best in the one that the line is in; `turn_parameter` where a letter is crossed that only
+/// leads round a station.
+pub fn join_stations(
     mesh: &SurfaceMesh,
     stations: &[Station],
     closed: bool,
-    report: &mut Report,
-    observer: &mut dyn Observer,
+    turn_parameter: impl Fn(&SurfacePoint, HalfedgeId) -> f64,
+    mut join: impl FnMut(usize, usize, Option<TriangleId>) -> Result<Leg>,
 ) -> Result<Route> {
     let count = stations.len();
-    let ends: Vec<SearchEnd> = stations.iter().map(|s| search_end(mesh, &s.point)).collect();
-    // Start at a pin, so that every leg runs from pin to pin; a closed line without pins starts at its first pick.
+    // Start at a pin, so that every leg runs from pin to pin; a closed line without pins starts at its first station.
     let start = stations.iter().position(|s| s.is_pinned).unwrap_or(0);
     let pins: Vec<SurfacePoint> =
         (0..count).map(|i| &stations[(start + i) % count]).filter(|s| s.is_pinned).map(|s| s.point).collect();
+    let turn = |leg: &mut Leg, point: &SurfacePoint, to: TriangleId| {
+        for letter in join_at(mesh, point, leg.last_triangle(mesh), to).unwrap_or_default() {
+            leg.push(mesh, letter, turn_parameter(point, letter));
+        }
+    };
     let mut legs: Vec<Leg> = Vec::new();
     let steps = if closed { count } else { count - 1 };
     for step in 0..steps {
         let (i, j) = ((start + step) % count, (start + step + 1) % count);
-        let found = mesh.dual_graph().find_strip(&ends[i], &ends[j], observer)?.ok_or_else(|| Error::NoPath {
-            first: stations[i].pick_index,
-            second: stations[j].pick_index,
-            parts: mesh.report().parts,
-        })?;
-        report.pops += found.pops;
-        if step == 0 || stations[i].is_pinned {
-            legs.push(Leg::through_midpoints(found.first, found.word));
-        } else if let Some(leg) = legs.last_mut() {
-            let turn = join_at(mesh, &stations[i].point, leg.last_triangle(mesh), found.first).unwrap_or_default();
-            for letter in turn.into_iter().chain(found.word) {
-                push_reduced(mesh, &mut leg.word, letter);
+        let triangle = legs.last().map(|leg| leg.last_triangle(mesh));
+        let next = join(i, j, triangle)?;
+        match legs.last_mut() {
+            Some(leg) if !stations[i].is_pinned => {
+                turn(leg, &stations[i].point, next.first);
+                for (&letter, &parameter) in next.word.iter().zip(&next.parameters) {
+                    leg.push(mesh, letter, parameter);
+                }
             }
+            _ => legs.push(next),
         }
     }
-    if closed && pins.is_empty() {
-        close_leg(mesh, &mut legs[0], &stations[start].point)?;
+    if let (true, true, Some(leg)) = (closed, pins.is_empty(), legs.first_mut()) {
+        let first = leg.first;
+        turn(leg, &stations[start].point, first);
+        leg.reduce_seam(mesh);
+        if leg.word.is_empty() {
+            return Err(Error::Collapsed { iterations: 0 });
+        }
+        debug_assert_eq!(Some(leg.last_triangle(mesh)), leg.word.first().map(|h| h.triangle()));
     }
     for leg in &mut legs {
-        leg.parameters = vec![0.5; leg.word.len()];
         if let Some(&letter) = leg.word.first() {
             leg.first = letter.triangle();
         }
     }
     Ok(Route { closed, pins, legs })
-}
-
-/// Joins the end of a closed leg without pins to its start and cancels what goes back and forth there.
-fn close_leg(mesh: &SurfaceMesh, leg: &mut Leg, seam: &SurfacePoint) -> Result<()> {
-    let turn = join_at(mesh, seam, leg.last_triangle(mesh), leg.first).unwrap_or_default();
-    for letter in turn {
-        push_reduced(mesh, &mut leg.word, letter);
-    }
-    reduce_seam(mesh, &mut leg.word);
-    match leg.word.first() {
-        None => Err(Error::Collapsed { iterations: 0 }),
-        Some(&letter) => {
-            debug_assert_eq!(leg.word.last().map(|&h| entered_triangle(mesh, h)), Some(letter.triangle()));
-            Ok(())
-        }
-    }
 }

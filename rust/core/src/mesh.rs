@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use crate::adjacency::{Adjacency, VertexKind, other_spoke};
+use crate::closest_point::TriangleTree;
 use crate::error::{MeshError, OptionError};
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::polygons::{Polygons, middle_triangle};
@@ -17,7 +18,7 @@ use crate::surface_point::{Pick, SurfacePoint};
 const MAX_TRIANGLES: usize = (u32::MAX as usize - 1) / 3;
 
 /// Squares of larger ones overflow.
-const MAX_COORDINATE: f64 = 1e150;
+pub const MAX_COORDINATE: f64 = 1e150;
 
 /// What was found on a mesh when it was opened.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,6 +54,7 @@ pub struct SurfaceMesh {
     polygons: Option<Polygons>,
     dual_graph: DualGraph,
     report: OnceLock<MeshReport>,
+    triangle_tree: OnceLock<TriangleTree>,
 }
 
 impl SurfaceMesh {
@@ -74,7 +76,8 @@ impl SurfaceMesh {
         let adjacency = Adjacency::new(&triangles, positions.len());
         let dual_graph = DualGraph::new(&positions, &triangles, &adjacency);
         let polygons = triangle_faces.map(Polygons::new);
-        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, report: OnceLock::new() })
+        let (report, triangle_tree) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, report, triangle_tree })
     }
 
     /// What was found on the mesh. The first call counts parts, at O(triangles).
@@ -123,6 +126,11 @@ impl SurfaceMesh {
     /// The graph that step B searches.
     pub fn dual_graph(&self) -> &DualGraph {
         &self.dual_graph
+    }
+
+    /// The boxes round the triangles. The first call builds them, at O(triangles).
+    pub fn triangle_tree(&self) -> &TriangleTree {
+        self.triangle_tree.get_or_init(|| TriangleTree::new(self))
     }
 
     /// Where a vertex is.

@@ -48,6 +48,10 @@ pub struct Report {
     pub loops_removed: u64,
     /// Triangles taken from the search queue in step B.
     pub pops: u64,
+    /// Pairs of neighbouring points of a stroke that step B joined, as no straight walk over the surface did.
+    pub stroke_breaks: usize,
+    /// Largest distance of a point of a stroke from the surface, in the units of the positions.
+    pub stroke_distance: f64,
     /// Triangles in step B's strip.
     pub strip_triangles: usize,
     /// Length of the polyline through the midpoints that step B gives, in the units of the positions.
@@ -70,6 +74,8 @@ impl Default for Report {
             vertex_passes: 0,
             loops_removed: 0,
             pops: 0,
+            stroke_breaks: 0,
+            stroke_distance: 0.0,
             strip_triangles: 0,
             start_length: 0.0,
             stop_reason: StopReason::Converged,

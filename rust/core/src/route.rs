@@ -72,6 +72,31 @@ impl Leg {
         self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h))
     }
 
+    /// Appends a letter with its parameter, or takes the last one back when the new one crosses the same edge again.
+    pub fn push(&mut self, mesh: &SurfaceMesh, letter: HalfedgeId, parameter: f64) {
+        if self.word.last().is_some_and(|&last| mesh.twin(last) == Some(letter)) {
+            self.word.pop();
+            self.parameters.pop();
+        } else {
+            self.word.push(letter);
+            self.parameters.push(parameter);
+        }
+    }
+
+    /// Cancels backtracks across the seam of a ring, whose inside must be reduced.
+    pub fn reduce_seam(&mut self, mesh: &SurfaceMesh) {
+        let count = self.word.len();
+        let is_backtrack = |k: usize| 2 * k + 1 < count && mesh.twin(self.word[count - 1 - k]) == Some(self.word[k]);
+        let cut = (0..).take_while(|&k| is_backtrack(k)).count();
+        self.word.truncate(count - cut);
+        self.word.drain(..cut);
+        self.parameters.truncate(count - cut);
+        self.parameters.drain(..cut);
+        if let Some(&letter) = self.word.first() {
+            self.first = letter.triangle();
+        }
+    }
+
     /// Takes out letters `start..end` (across the seam of a ring when `start >= end`), after which the strip is in the
     /// triangle where it was before them, and cancels the backtracks that this makes.
     pub fn cut(&mut self, mesh: &SurfaceMesh, start: usize, end: usize, is_ring: bool) {

@@ -112,6 +112,12 @@ impl DualGraph {
         self.records[self.record_of[triangle.index()] as usize].barycentre
     }
 
+    /// The triangle at a place of the Morton curve, counted from 0.
+    #[inline]
+    pub fn triangle_at(&self, place: usize) -> TriangleId {
+        TriangleId(self.records[place].triangle)
+    }
+
     /// The cheapest strip from one end to the other, `None` when they are not connected.
     ///
     /// A* with the straight distance, which no path undercuts; equal in cost to Dijkstra's. Ties go to the lower place

@@ -142,7 +142,7 @@ fn pages_of_a_book_are_not_connected_and_two_pages_are_one_sheet() {
         let ids = [shape.nearest(DVec3::new(0.5, 0.5, 0.0)), shape.triangles.len() - 10];
         for (name, options) in filters() {
             match try_line(&shape.mesh(), &faces(&ids), &options) {
-                Err(Error::NoPath { first: 0, second: 1, parts }) => assert_eq!(parts, pages),
+                Err(Error::NoPath { argument: "picks", first: 0, second: 1, parts }) => assert_eq!(parts, pages),
                 other => panic!("{name}: {other:?}"),
             }
         }

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 mod border;
 mod choices;
+mod closest_points;
 mod errors;
 mod frozen_arrays;
 mod input_arrays;
@@ -17,6 +18,7 @@ mod network;
 mod picks;
 mod polyline;
 mod report;
+mod stroke_points;
 mod surface_point;
 
 /// The compiled part of `smooth_polylines`; import that package instead.
@@ -24,6 +26,8 @@ mod surface_point;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::closest_points::PyClosestPoints;
     #[pymodule_export]
     use crate::mesh::PySurfaceMesh;
     #[pymodule_export]

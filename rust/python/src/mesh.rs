@@ -8,9 +8,10 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
 use smooth_polylines_core::options::{DEFAULT_SUPPORT, DEFAULT_THRESHOLD};
-use smooth_polylines_core::{Filter, Knots, Options, Pinned, Polyline, Solver, SurfaceMesh, smooth};
+use smooth_polylines_core::{Filter, Knots, Options, Pinned, Polyline, Solver, SurfaceMesh, smooth, stroke};
 
 use crate::border::{Seconds, Watch, run_attached, run_detached};
+use crate::closest_points::PyClosestPoints;
 use crate::errors::{from_core, type_error};
 use crate::frozen_arrays::{freeze_rows, point_rows};
 use crate::input_arrays::{read_connections, read_positions, read_triangle_faces, read_triangles};
@@ -22,6 +23,7 @@ use crate::mesh_report::PyMeshReport;
 use crate::network::PyNetwork;
 use crate::picks::read_picks;
 use crate::polyline::PyPolyline;
+use crate::stroke_points::read_stroke_points;
 
 /// A triangle mesh, opened for lines.
 ///
@@ -157,10 +159,116 @@ impl PySurfaceMesh {
         let mut watch = Watch::start();
         let options =
             Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
-        let picks = read_picks(picks)?;
+        let picks = read_picks("picks", picks)?;
         let line = run_detached(py, || smooth::polyline(&self.mesh, &picks, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
         PyPolyline::new(py, Arc::clone(&self.mesh), line, watch.stop())
+    }
+
+    /// A smooth line along a stroke: a Polyline.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : (N, 3) float32 or float64, or a sequence of picks
+    ///     Places near the surface, in the order in which they were drawn, in the space of the mesh's positions; each is
+    ///     moved to the nearest point of the surface. Or face ids, SurfacePoint or (triangle, barycentric) pairs as in
+    ///     `polyline`, gaps allowed.
+    ///
+    /// Neighbouring points are joined by a straight walk over the surface; where it would go more than twice the
+    /// distance through space, or does not arrive, is a break that step B joins (`report.stroke_breaks`). What is drawn
+    /// there and back cancels. The line starts at the stroke's own crossings, so `filter="none"` gives the stroke on
+    /// the surface. The other arguments are those of `polyline`, with a pick for each point: inner points shape the
+    /// line and are not on it unless pinned.
+    ///
+    /// Where the stroke is nearer to another sheet of the surface (the back of an ear), its points lie there: compare
+    /// `report.stroke_distance` with what is expected. Cost: some microseconds a point, after a first call that is
+    /// linear in the mesh.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     A row that is not finite, an argument out of its range.
+    /// NoPathError
+    ///     Neighbouring points lie on parts that are not connected.
+    /// CollapsedError
+    ///     A closed line shrank to a point.
+    /// TypeError
+    ///     A wrong dtype, rank or type.
+    ///
+    /// Source: G.-P. Bonneau, S. Hahmann, Smooth Polylines on Polygon Meshes (2003), section 4.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np, smooth_polylines as sp
+    /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    /// >>> mesh = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]])
+    /// >>> mesh.stroke([[0.75, 0.25, 0.1], [0.25, 0.5, 0.1]], filter="none").points.round(3)
+    /// array([[0.75 , 0.25 , 0.   ],
+    ///        [0.417, 0.417, 0.   ],
+    ///        [0.25 , 0.5  , 0.   ]])
+    #[pyo3(
+        signature = (points, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
+                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
+                     support=DEFAULT_SUPPORT, stages=false),
+        text_signature = "($self, points, closed=False, filter='linear', pinned='ends', solver='auto', \
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', \
+                          support=2, stages=False)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
+    fn stroke(
+        &self,
+        py: Python<'_>,
+        points: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = read_closed)] closed: bool,
+        #[pyo3(from_py_with = read_filter)] filter: Filter,
+        #[pyo3(from_py_with = read_pinned)] pinned: Pinned,
+        #[pyo3(from_py_with = read_solver)] solver: Solver,
+        #[pyo3(from_py_with = read_threshold)] threshold: f64,
+        #[pyo3(from_py_with = read_max_iterations)] max_iterations: Option<u32>,
+        #[pyo3(from_py_with = read_detail_size)] detail_size: Option<f64>,
+        #[pyo3(from_py_with = read_knots)] knots: Knots,
+        #[pyo3(from_py_with = read_support)] support: usize,
+        #[pyo3(from_py_with = read_stages)] stages: bool,
+    ) -> PyResult<PyPolyline> {
+        let mut watch = Watch::start();
+        let options =
+            Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
+        let points = read_stroke_points(points)?;
+        let line = run_detached(py, || stroke::stroke(&self.mesh, &points, &options, &mut watch))?
+            .map_err(|error| watch.raise(py, error))?;
+        PyPolyline::new(py, Arc::clone(&self.mesh), line, watch.stop())
+    }
+
+    /// The points of the surface nearest to points in space: ClosestPoints, one for each row.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : (N, 3) float32 or float64
+    ///     In the space of the mesh's positions.
+    ///
+    /// Of equally near triangles the lowest id is told. Cost: some microseconds a point, after a first call that is
+    /// linear in the mesh. Source: C. Ericson, Real-Time Collision Detection (2005), section 5.1.5.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     A row that is not finite, or a mesh without triangles.
+    /// TypeError
+    ///     Wrong dtype or rank.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np, smooth_polylines as sp
+    /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    /// >>> found = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]]).closest_points([[0.75, 0.25, 2.0]])
+    /// >>> found.surface_points, found.distances
+    /// ([SurfacePoint(0, (0.25, 0.5, 0.25))], array([2.]))
+    fn closest_points(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<PyClosestPoints> {
+        let mut watch = Watch::start();
+        let points = read_positions("points", points)?.to_points()?;
+        let found = run_detached(py, || self.mesh.closest_points(&points, "points", &mut watch))?
+            .map_err(|error| watch.raise(py, error))?;
+        Ok(PyClosestPoints::new(Arc::clone(&self.mesh), found))
     }
 
     /// Several lines in one call, each with its own result or error: a Network.
@@ -217,7 +325,7 @@ impl PySurfaceMesh {
         let mut watch = Watch::start();
         let options =
             Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
-        let picks = read_picks(picks)?;
+        let picks = read_picks("picks", picks)?;
         let connections = read_connections("connections", connections)?;
         let lines = run_detached(py, || smooth::network(&self.mesh, &picks, &connections, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;

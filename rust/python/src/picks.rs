@@ -15,25 +15,26 @@ use crate::surface_point::PySurfacePoint;
 const EXPECTED: &str =
     "a sequence of face ids, of (triangle id, (b0, b1, b2)) pairs, of smooth_polylines.SurfacePoint, or of these mixed";
 
-/// All picks, in order.
-pub fn read_picks(value: &Bound<'_, PyAny>) -> PyResult<Vec<Pick>> {
+/// All picks, in order; messages call them `argument`.
+pub fn read_picks(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Pick>> {
     // An array of objects may hold picks of every kind, so it is read item by item.
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         if array.dtype().kind() != b'O' {
-            return Ok(read_ids("picks", array)?.into_iter().map(Pick::Face).collect());
+            return Ok(read_ids(argument, array)?.into_iter().map(Pick::Face).collect());
         }
     }
-    sequence_items("picks", value, EXPECTED)?.iter().enumerate().map(|(place, item)| read_pick(place, item)).collect()
+    let items = sequence_items(argument, value, EXPECTED)?;
+    items.iter().enumerate().map(|(place, item)| read_pick(argument, place, item)).collect()
 }
 
-fn read_pick(place: usize, item: &Bound<'_, PyAny>) -> PyResult<Pick> {
+fn read_pick(argument: &'static str, place: usize, item: &Bound<'_, PyAny>) -> PyResult<Pick> {
     if let Ok(point) = item.cast::<PySurfacePoint>() {
         return Ok(point.get().to_pick());
     }
-    let refuse = |found: &str| type_error("picks", format_args!("entry {place} is {found}, expected {EXPECTED}"));
+    let refuse = |found: &str| type_error(argument, format_args!("entry {place} is {found}, expected {EXPECTED}"));
     match read_integer(item)? {
         Integer::Fits(face) => return Ok(Pick::Face(face)),
-        Integer::TooWide => return Err(refuse_wide(item.py(), place)),
+        Integer::TooWide => return Err(refuse_wide(item.py(), argument, place)),
         Integer::No => {}
     }
     if item.is_instance_of::<PyTuple>() || item.is_instance_of::<PyList>() {
@@ -43,7 +44,7 @@ fn read_pick(place: usize, item: &Bound<'_, PyAny>) -> PyResult<Pick> {
         let id = item.get_item(0)?;
         let triangle = match read_integer(&id)? {
             Integer::Fits(triangle) => triangle,
-            Integer::TooWide => return Err(refuse_wide(item.py(), place)),
+            Integer::TooWide => return Err(refuse_wide(item.py(), argument, place)),
             Integer::No => {
                 return Err(refuse(&format!("a pair whose triangle id is of type {}", id.get_type().name()?)));
             }
@@ -55,8 +56,8 @@ fn read_pick(place: usize, item: &Bound<'_, PyAny>) -> PyResult<Pick> {
     Err(refuse(&format!("of type {}", item.get_type().name()?)))
 }
 
-fn refuse_wide(py: Python<'_>, place: usize) -> PyErr {
-    option_error(py, "picks", format!("pick {place} is an integer of more than 127 bits, expected an id of the mesh"))
+fn refuse_wide(py: Python<'_>, argument: &'static str, place: usize) -> PyErr {
+    option_error(py, argument, format!("entry {place} is an integer of more than 127 bits, expected an id of the mesh"))
 }
 
 /// Three numbers out of a list, a tuple or an array.

@@ -73,6 +73,18 @@ impl PyReport {
         self.report.pops
     }
 
+    /// Pairs of neighbouring points of a stroke that step B joined, as no straight walk did: an int; 0 for picks.
+    #[getter]
+    fn stroke_breaks(&self) -> usize {
+        self.report.stroke_breaks
+    }
+
+    /// Largest distance of a point of a stroke from the surface, in the units of the positions: a float; 0 for picks.
+    #[getter]
+    fn stroke_distance(&self) -> f64 {
+        self.report.stroke_distance
+    }
+
     /// Triangles in step B's strip: an int.
     #[getter]
     fn strip_triangles(&self) -> usize {
@@ -113,12 +125,12 @@ impl PyReport {
 
     fn __repr__(&self) -> String {
         let Report { iterations, moves, newton_steps, funnels, vertex_passes, loops_removed, .. } = self.report;
-        let Report { pops, strip_triangles, start_length, .. } = self.report;
+        let Report { pops, stroke_breaks, stroke_distance, strip_triangles, start_length, .. } = self.report;
         let detail_size = self.report.detail_size.map_or_else(|| "None".to_owned(), |size| format!("{size:?}"));
         format!(
             "Report(stop_reason='{}', iterations={iterations}, moves={moves}, newton_steps={newton_steps}, \
              funnels={funnels}, vertex_passes={vertex_passes}, loops_removed={loops_removed}, pops={pops}, \
-             strip_triangles={strip_triangles}, start_length={start_length:?}, detail_size={detail_size}, \
+             stroke_breaks={stroke_breaks}, stroke_distance={stroke_distance:?}, strip_triangles={strip_triangles}, start_length={start_length:?}, detail_size={detail_size}, \
              stages={}, seconds={:.6})",
             self.stop_name(),
             self.report.stages.len(),

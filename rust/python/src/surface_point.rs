@@ -47,6 +47,11 @@ pub struct PySurfacePoint {
 }
 
 impl PySurfacePoint {
+    /// A point that the core found.
+    pub fn from_core(point: &SurfacePoint) -> Self {
+        Self { triangle: point.triangle.0, barycentric: point.barycentric }
+    }
+
     /// What the core is asked for.
     pub fn to_pick(&self) -> Pick {
         Pick::Point { triangle: self.triangle.into(), barycentric: self.barycentric }

@@ -13,6 +13,7 @@ S. Hahmann, Smooth Polylines on Polygon Meshes (2003).
 """
 
 from ._native import (
+    ClosestPoints,
     CollapsedError,
     Error,
     InternalError,
@@ -29,6 +30,7 @@ from ._native import (
 )
 
 __all__ = [
+    "ClosestPoints",
     "CollapsedError",
     "Error",
     "InternalError",

@@ -16,6 +16,7 @@ _Knots: TypeAlias = Literal["uniform", "centripetal", "chordal"]
 _StopReason: TypeAlias = Literal["converged", "converged_at_vertices", "cycle", "max_iterations"]
 
 __all__ = [
+    "ClosestPoints",
     "CollapsedError",
     "Error",
     "InternalError",
@@ -99,6 +100,10 @@ class Report:
     @property
     def pops(self) -> int: ...
     @property
+    def stroke_breaks(self) -> int: ...
+    @property
+    def stroke_distance(self) -> float: ...
+    @property
     def strip_triangles(self) -> int: ...
     @property
     def start_length(self) -> float: ...
@@ -147,6 +152,20 @@ class Network:
     def __iter__(self) -> Iterator[Polyline | None]: ...
 
 @final
+class ClosestPoints:
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.int32]: ...
+    @property
+    def barycentric(self) -> NDArray[np.float64]: ...
+    @property
+    def distances(self) -> NDArray[np.float64]: ...
+    @property
+    def surface_points(self) -> list[SurfacePoint]: ...
+    def __len__(self) -> int: ...
+
+@final
 class SurfaceMesh:
     def __new__(
         cls, positions: ArrayLike, triangles: ArrayLike, triangle_faces: ArrayLike | None = None
@@ -166,6 +185,22 @@ class SurfaceMesh:
         support: SupportsIndex = 2,
         stages: bool = False,
     ) -> Polyline: ...
+    def stroke(
+        self,
+        points: ArrayLike | _Picks,
+        closed: bool = False,
+        filter: _Filter = "linear",
+        pinned: _Pinned = "ends",
+        solver: _Solver = "auto",
+        threshold: float = 0.0001,
+        max_iterations: SupportsIndex | None = None,
+        detail_size: float | None = None,
+        *,
+        knots: _Knots = "uniform",
+        support: SupportsIndex = 2,
+        stages: bool = False,
+    ) -> Polyline: ...
+    def closest_points(self, points: ArrayLike) -> ClosestPoints: ...
     def network(
         self,
         picks: _Picks,
