@@ -20,7 +20,7 @@ def test_the_signature_is_the_contract():
         "max_iterations": None, "detail_size": None, "knots": "uniform", "support": 2,
         "stages": False,
     }  # fmt: skip
-    for method, leading in ((sp.SurfaceMesh.polyline, 2), (sp.SurfaceMesh.network, 3)):
+    for method, leading in ((sp.SurfaceMesh.polyline, 2), (sp.SurfaceMesh.stroke, 2), (sp.SurfaceMesh.network, 3)):
         parameters = list(inspect.signature(method).parameters.values())[leading:]
         assert {p.name: p.default for p in parameters} == expected
         by_name_only = {p.name for p in parameters if p.kind is p.KEYWORD_ONLY}

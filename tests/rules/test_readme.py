@@ -9,7 +9,7 @@ README = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding=
 
 
 def test_library_example_runs_and_gives_a_line(capsys):
-    library_example, blender_example = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+    library_example, stroke_example, blender_example = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
     names = {}
     exec(compile(library_example, "README.md", "exec"), names)
     line = names["line"]
@@ -18,6 +18,10 @@ def test_library_example_runs_and_gives_a_line(capsys):
     corners = names["triangles"][line.triangles]
     expected = np.einsum("nc,nci->ni", line.barycentric, names["positions"][corners])
     np.testing.assert_allclose(line.points, expected, atol=1e-12)
+    exec(compile(stroke_example, "README.md", "exec"), names)
+    stroke = names["stroke"]
+    assert capsys.readouterr().out.split() == [str(stroke.report.stroke_distance), str(stroke.report.stroke_breaks)]
+    assert len(names["nearest"]) == len(names["drawn"])
     compile(blender_example, "README.md", "exec")
 
 

@@ -57,7 +57,12 @@ fn read_pick(argument: &'static str, place: usize, item: &Bound<'_, PyAny>) -> P
 }
 
 fn refuse_wide(py: Python<'_>, argument: &'static str, place: usize) -> PyErr {
-    option_error(py, argument, format!("entry {place} is an integer of more than 127 bits, expected an id of the mesh"))
+    let noun = if argument == "picks" { "pick" } else { "point" };
+    option_error(
+        py,
+        argument,
+        format!("{noun} {place} is an integer of more than 127 bits, expected an id of the mesh"),
+    )
 }
 
 /// Three numbers out of a list, a tuple or an array.
