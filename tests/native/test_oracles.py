@@ -7,8 +7,12 @@ import smooth_polylines as sp
 from native.made_meshes import barycentres
 from native.surfaces import open_surface
 
-NAMES = ("sphere", "torus", "terrain", "cylinder", "cow.off", "spot.obj", "fertility.off")
-PAIRS = 12
+NAMES = (
+    "sphere", "torus", "terrain", "cylinder", "tray_cad.off", "cow.off", "spot.obj", "fertility.off", "shark_holes.off",
+    "fandisk.obj", "camel.off",
+)  # fmt: skip
+PAIRS = 20
+SOURCES = 4
 
 
 def vertex_pick(surface, vertex):
@@ -27,23 +31,26 @@ def our_length(surface, start, goal):
     return surface.mesh.polyline([vertex_pick(surface, start), vertex_pick(surface, goal)], filter="geodesic").length
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES, "thingi_79741.off"])
 def test_no_line_is_shorter_than_the_exact_distance_and_most_are_near_it(name):
     geodesic = pytest.importorskip("pygeodesic.geodesic", reason="pygeodesic is not installed: no exact distances")
     surface = open_surface(name)
     exact = geodesic.PyGeodesicAlgorithmExact(
         np.ascontiguousarray(surface.positions), np.ascontiguousarray(surface.triangles, np.int32)
     )
+    rng = np.random.default_rng(51)
+    used = np.unique(surface.triangles[surface.largest_part])
     ratios = []
-    for start, goal in random_vertices(surface, 51):
-        distance, _ = exact.geodesicDistance(start, goal)
-        # The oracle itself is exact to some 1e-9 only.
-        assert our_length(surface, start, goal) >= distance * (1 - 1e-7)
-        ratios.append(our_length(surface, start, goal) / distance)
-    # A locally shortest line need not be the shortest: it keeps the way round obstacles that step B chose.
-    # Measured on these: medians up to 1.002; means up to 1.037, on the cylinder by one line that goes round the back.
-    assert np.median(ratios) < 1.005
-    assert np.mean(ratios) < 1.05
+    for start in rng.choice(used, SOURCES, replace=False).tolist():
+        distances, _ = exact.geodesicDistances(np.array([start], np.int32), None)
+        for goal in rng.choice(used[used != start], PAIRS // SOURCES, replace=False).tolist():
+            ratios.append(our_length(surface, start, goal) / distances[goal])
+    # The oracle itself is exact to some 1e-9 only.
+    assert min(ratios) >= 1 - 1e-7
+    # A locally shortest line need not be the shortest: it keeps the way round obstacles that its start chose.
+    # Measured: means up to 0.1 %, on slivers 0.5 %; medians up to 0.02 %.
+    assert np.median(ratios) < 1 + 1e-3
+    assert np.mean(ratios) < (1.01 if name == "thingi_79741.off" else 1.002)
     assert sum(ratio < 1 + 1e-6 for ratio in ratios) >= PAIRS // 3
 
 
@@ -57,9 +64,9 @@ def test_lines_are_as_short_as_those_of_edge_flips(name):
         points = solver.find_geodesic_path(start, goal)
         theirs = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
         ratios.append(our_length(surface, start, goal) / theirs)
-    assert np.median(ratios) == pytest.approx(1, abs=1e-6)
-    # Both keep the way round that their start chose, so single lines differ either way; measured: up to 1.012.
-    assert np.mean(ratios) < 1.02
+    # Both keep the way round that their start chose; ours is chosen by length. Measured: means up to 1.0005.
+    assert np.median(ratios) < 1 + 1e-6
+    assert np.mean(ratios) < 1.005
 
 
 def test_great_circles_on_a_fine_sphere():

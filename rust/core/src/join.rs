@@ -5,11 +5,12 @@
 use crate::error::{Error, OptionError, Result};
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::mesh::SurfaceMesh;
-use crate::options::{Options, Pinned};
+use crate::options::{Filter, Options, Pinned, Solver};
 use crate::report::{Observer, Report};
 use crate::route::{Leg, Route, Spot, join_at, spot_of, triangles_round};
 use crate::search::SearchEnd;
 use crate::surface_point::{Pick, SurfacePoint};
+use crate::window_search::find_taut_strip;
 
 /// A pick, or a point of a stroke, that was resolved and is different from the one before it.
 #[derive(Clone, Copy, Debug)]
@@ -37,13 +38,24 @@ pub fn join_picks(
     let points = picks.iter().enumerate().map(|(i, pick)| mesh.resolve_pick(i, pick)).collect::<Result<Vec<_>, _>>()?;
     let stations = place_stations(mesh, &points, "picks", options)?;
     let ends: Vec<SearchEnd> = stations.iter().map(|s| search_end(mesh, &s.point)).collect();
+    let is_taut = is_straightened(options);
     let midpoint = |_: &SurfacePoint, _: HalfedgeId| 0.5;
     join_stations(mesh, &stations, options.closed, midpoint, |i, j, _| {
-        let found = mesh.dual_graph().find_strip(&ends[i], &ends[j], observer)?;
+        let found = if is_taut && stations[i].is_pinned && stations[j].is_pinned {
+            find_taut_strip(mesh, &stations[i].point, &stations[j].point, observer)?
+        } else {
+            mesh.dual_graph().find_strip(&ends[i], &ends[j], observer)?
+        };
         let found = found.ok_or_else(|| no_path(mesh, "picks", &stations[i], &stations[j]))?;
         report.pops += found.pops;
         Ok(Leg::through_midpoints(found.first, found.word))
     })
+}
+
+/// Whether the line will be straightened first, so that it may start from any strip. The paper's filters keep the paper's
+/// dual path: what they end at depends on where they start.
+fn is_straightened(options: &Options) -> bool {
+    options.filter == Filter::Geodesic || (options.filter == Filter::Linear && options.solver == Solver::Auto)
 }
 
 /// The refusal of two stations that are not connected.

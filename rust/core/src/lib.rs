@@ -36,6 +36,8 @@ pub mod stroke;
 pub mod surface_point;
 pub mod unfold;
 pub mod vertex_pass;
+pub mod window;
+pub mod window_search;
 
 pub use error::{Error, MeshError, OptionError, Result};
 pub use mesh::{MeshReport, SurfaceMesh};

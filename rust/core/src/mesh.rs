@@ -13,6 +13,7 @@ use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::polygons::{Polygons, middle_triangle};
 use crate::search::DualGraph;
 use crate::surface_point::{Pick, SurfacePoint};
+use crate::window_search::WindowGraph;
 
 /// Half-edge ids are `u32` and the last one marks "none".
 const MAX_TRIANGLES: usize = (u32::MAX as usize - 1) / 3;
@@ -53,6 +54,7 @@ pub struct SurfaceMesh {
     adjacency: Adjacency,
     polygons: Option<Polygons>,
     dual_graph: DualGraph,
+    window_graph: WindowGraph,
     report: OnceLock<MeshReport>,
     triangle_tree: OnceLock<TriangleTree>,
 }
@@ -75,9 +77,10 @@ impl SurfaceMesh {
         check_triangles(&positions, &triangles)?;
         let adjacency = Adjacency::new(&triangles, positions.len());
         let dual_graph = DualGraph::new(&positions, &triangles, &adjacency);
+        let window_graph = WindowGraph::new(&positions, &triangles);
         let polygons = triangle_faces.map(Polygons::new);
         let (report, triangle_tree) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, report, triangle_tree })
+        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, window_graph, report, triangle_tree })
     }
 
     /// What was found on the mesh. The first call counts parts, at O(triangles).
@@ -131,6 +134,11 @@ impl SurfaceMesh {
     /// The boxes round the triangles. The first call builds them, at O(triangles).
     pub fn triangle_tree(&self) -> &TriangleTree {
         self.triangle_tree.get_or_init(|| TriangleTree::new(self))
+    }
+
+    /// What `window_search` knows of the mesh.
+    pub fn window_graph(&self) -> &WindowGraph {
+        &self.window_graph
     }
 
     /// Where a vertex is.

@@ -46,15 +46,15 @@ pub struct Report {
     pub vertex_passes: u64,
     /// Loops cut out of the strip.
     pub loops_removed: u64,
-    /// Triangles taken from the search queue in step B.
+    /// Triangles taken from the search queue in step B; slivers up to three times.
     pub pops: u64,
     /// Pairs of neighbouring points of a stroke that step B joined, as no straight walk over the surface did.
     pub stroke_breaks: usize,
     /// Largest distance of a point of a stroke from the surface, in the units of the positions.
     pub stroke_distance: f64,
-    /// Triangles in step B's strip.
+    /// Triangles in the strip that smoothing starts from.
     pub strip_triangles: usize,
-    /// Length of the polyline through the midpoints that step B gives, in the units of the positions.
+    /// Length of the polyline through the midpoints of that strip, in the units of the positions.
     pub start_length: f64,
     /// Why smoothing ended.
     pub stop_reason: StopReason,

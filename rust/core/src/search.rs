@@ -14,7 +14,9 @@ use glam::DVec3;
 use crate::adjacency::Adjacency;
 use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::mesh::SurfaceMesh;
 use crate::report::{Observer, Step};
+use crate::strip::entered_triangle;
 
 /// No neighbour across this side, or no predecessor.
 const NONE: u32 = u32::MAX;
@@ -69,6 +71,14 @@ pub struct FoundStrip {
     pub cost: f64,
     /// Triangles taken from the queue.
     pub pops: u64,
+}
+
+impl FoundStrip {
+    /// The same strip the other way round.
+    pub fn reversed(self, mesh: &SurfaceMesh) -> Self {
+        let first = self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h));
+        Self { first, word: self.word.iter().rev().filter_map(|&h| mesh.twin(h)).collect(), ..self }
+    }
 }
 
 /// Where a search may start or end.

@@ -71,16 +71,16 @@ fn a_line_across_a_terrain() {
         &ends,
         &[
             ("heap", [44, 342035, 82, 3104, 183, 0]),
-            ("linear", [4, 4204, 160, 3104, 48, 17]),
+            ("linear", [4, 4204, 73, 1721, 30, 17]),
             ("cubic", [1, 256, 0, 3104, 0, 0]),
-            ("geodesic", [32, 0, 160, 3104, 38, 0]),
+            ("geodesic", [17, 0, 73, 1721, 20, 0]),
         ],
     );
     check(
         "terrain, three picks",
         &mesh,
         &picks,
-        &[("geodesic", [168, 0, 1318, 3156, 176, 0]), ("geodesic, pinned", [17, 0, 131, 3156, 35, 0])],
+        &[("geodesic", [168, 0, 1318, 3156, 176, 0]), ("geodesic, pinned", [13, 0, 74, 917, 26, 0])],
     );
 }
 
@@ -102,16 +102,16 @@ fn lines_on_a_ball() {
         &picks[..2],
         &[
             ("heap", [37, 113756, 53, 2571, 117, 0]),
-            ("linear", [5, 5600, 66, 2571, 22, 31]),
+            ("linear", [1, 400, 35, 951, 16, 4]),
             ("cubic", [1, 54, 0, 2571, 0, 0]),
-            ("geodesic", [14, 0, 65, 2571, 14, 0]),
+            ("geodesic", [13, 0, 35, 951, 13, 0]),
         ],
     );
     check(
         "ball, a ring",
         &mesh,
         &picks,
-        &[("cubic, closed", [1, 234, 0, 6772, 0, 0]), ("geodesic, closed and pinned", [29, 0, 319, 6772, 93, 0])],
+        &[("cubic, closed", [1, 234, 0, 6772, 0, 0]), ("geodesic, closed and pinned", [14, 0, 75, 2378, 37, 0])],
     );
 }
 
@@ -123,7 +123,7 @@ fn near_picks_cost_little_on_a_large_mesh() {
         "large terrain",
         &shape.mesh(),
         &picks,
-        &[("heap", [5, 10329, 6, 97, 7, 0]), ("linear", [1, 0, 7, 97, 4, 3]), ("geodesic", [4, 0, 7, 97, 4, 0])],
+        &[("heap", [5, 10329, 6, 97, 7, 0]), ("linear", [1, 0, 0, 26, 1, 3]), ("geodesic", [1, 0, 0, 26, 1, 0])],
     );
 }
 
@@ -138,16 +138,16 @@ fn a_line_along_the_cow() {
         &ends,
         &[
             ("heap", [18, 39397, 26, 686, 51, 0]),
-            ("linear", [1, 1000, 26, 686, 11, 6]),
+            ("linear", [1, 1000, 2, 201, 3, 6]),
             ("cubic", [1, 147, 0, 686, 0, 0]),
-            ("geodesic", [9, 0, 26, 686, 10, 0]),
+            ("geodesic", [2, 0, 2, 201, 2, 0]),
         ],
     );
     check(
         "cow.off, three picks",
         &mesh,
         &picks,
-        &[("geodesic", [6, 0, 22, 516, 8, 0]), ("geodesic, pinned", [4, 0, 13, 516, 9, 0])],
+        &[("geodesic", [6, 0, 22, 516, 8, 0]), ("geodesic, pinned", [3, 0, 3, 285, 5, 0])],
     );
 }
 
@@ -161,9 +161,9 @@ fn a_line_along_spot() {
         &picks,
         &[
             ("heap", [11, 52156, 10, 984, 34, 0]),
-            ("linear", [4, 5200, 14, 984, 16, 22]),
+            ("linear", [4, 5200, 11, 378, 11, 22]),
             ("cubic", [1, 219, 0, 984, 0, 0]),
-            ("geodesic", [8, 0, 13, 984, 9, 0]),
+            ("geodesic", [4, 0, 10, 378, 4, 0]),
         ],
     );
 }
@@ -176,14 +176,14 @@ fn lines_on_a_scan() {
         "igea.ply",
         &mesh,
         &faces(&[1000, 200_000]),
-        &[("linear", [5, 15435, 760, 24547, 137, 47]), ("geodesic", [95, 0, 759, 24547, 120, 0])],
+        &[("linear", [5, 15435, 188, 13293, 62, 47]), ("geodesic", [38, 0, 187, 13293, 45, 0])],
     );
     let ring = faces(&ring_round(&shape, 30));
     check(
         "igea.ply, a ring",
         &mesh,
         &ring,
-        &[("cubic, closed", [2, 3188, 0, 24002, 6, 0]), ("geodesic, closed and pinned", [36, 0, 1138, 24002, 383, 0])],
+        &[("cubic, closed", [2, 3188, 0, 24002, 6, 0]), ("geodesic, closed and pinned", [13, 0, 170, 8030, 106, 0])],
     );
 }
 

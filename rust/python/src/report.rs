@@ -67,7 +67,7 @@ impl PyReport {
         self.report.loops_removed
     }
 
-    /// Triangles taken from the search queue in step B: an int.
+    /// Triangles taken from the search queue in step B, slivers up to three times: an int.
     #[getter]
     fn pops(&self) -> u64 {
         self.report.pops
@@ -85,13 +85,13 @@ impl PyReport {
         self.report.stroke_distance
     }
 
-    /// Triangles in step B's strip: an int.
+    /// Triangles in the strip that smoothing started from: an int.
     #[getter]
     fn strip_triangles(&self) -> usize {
         self.report.strip_triangles
     }
 
-    /// Length of step B's polyline, in the units of the positions: a float.
+    /// Length of the polyline through the midpoints of that strip, in the units of the positions: a float.
     #[getter]
     fn start_length(&self) -> f64 {
         self.report.start_length
