@@ -45,6 +45,29 @@ fn geodesics_in_the_plane_are_straight_to_rounding() {
 }
 
 #[test]
+fn points_within_rounding_of_an_edge_are_left_straight_ahead() {
+    let shape = shapes::grid(20);
+    let mesh = shape.mesh();
+    let mut random = Random::new(33);
+    for tiny in [1e-12, 1.2e-15, 1.2e-16, 1e-17, 0.0] {
+        for _ in 0..200 {
+            let (first, second) = (random.below(shape.triangles.len()), random.below(shape.triangles.len()));
+            let mut near_side = |triangle: usize| {
+                let (t, off) = (random.between(0.05, 0.95), random.below(3));
+                let mut parts = [0.0; 3];
+                (parts[off], parts[(off + 1) % 3], parts[(off + 2) % 3]) = (tiny, t, 1.0 - t - tiny);
+                at(triangle, parts)
+            };
+            let picks = [near_side(first), near_side(second)];
+            let line = line(&mesh, &picks, &geodesic());
+            let off = distance_from_straight(&line);
+            assert!(off < 1e-12, "{off} off the straight line, {tiny} from an edge, picks {picks:?}");
+            assert!(line.report.iterations < 60, "{} rounds", line.report.iterations);
+        }
+    }
+}
+
+#[test]
 fn linear_lines_in_the_plane_are_straight() {
     for shape in [shapes::grid(13), shapes::irregular_grid(13, 4), shapes::irregular_grid(40, 5)] {
         straight_lines(&shape, &Options::default(), 1e-9, true);

@@ -79,10 +79,7 @@ impl Funnel {
     fn shrink(&self, funnel: &mut Span, side: usize, point: DVec2, at: impl Fn(u32) -> DVec2) -> u32 {
         // For the left end: a chain turns left only, and the line to `point` must too. The right end is its mirror image.
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let turn = |a: u32, b: u32| {
-            let (u, v) = (at(b) - at(a), point - at(b));
-            sign * u.perp_dot(v) >= -GRAZE * u.length() * v.length()
-        };
+        let turn = |a: u32, b: u32| turns(sign, at(b) - at(a), point - at(b));
         if side == 0 {
             while funnel.low < funnel.apex && !turn(self.deque[funnel.low + 1], self.deque[funnel.low]) {
                 funnel.low += 1;
@@ -123,8 +120,14 @@ struct Span {
 /// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
 /// right chain, or grazes it; the mirror image for `sign` -1.
 fn passes(sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
-    let (u, v) = (corner - apex, point - apex);
-    sign * u.perp_dot(v) <= GRAZE * u.length() * v.length()
+    turns(-sign, corner - apex, point - apex)
+}
+
+/// Whether `v` turns to the left of `u` (`sign` 1; to the right for -1) or goes on as `u` does, to rounding. A way straight
+/// back is neither: it is what both ends of a portal are for a point on it, which sees the whole of what lies ahead.
+fn turns(sign: f64, u: DVec2, v: DVec2) -> bool {
+    let (turn, graze) = (sign * u.perp_dot(v), GRAZE * u.length() * v.length());
+    turn > graze || (turn >= -graze && u.dot(v) >= 0.0)
 }
 
 /// Where the segment from `from` to `to` crosses the portal from `left` to `right`: 0 at the left end, 1 at the right.
