@@ -23,6 +23,17 @@ pub struct Station {
     pub pick_index: usize,
 }
 
+/// What steps A and B make of picks or of a stroke.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Input {
+    /// The route through midpoints, or along the stroke.
+    pub route: Route,
+    /// Which of its pins are pinned: all, but for `fair`, for whose input all picks are pins of the route.
+    pub is_pinned: Vec<bool>,
+    /// Whether the route's own crossings are what `fair` is close to; else it is the straightest line through its pins.
+    pub is_drawn: bool,
+}
+
 /// Joins picks by step B into a route through midpoints, and notes pops in `report`.
 ///
 /// # Errors
@@ -34,13 +45,17 @@ pub fn join_picks(
     options: &Options,
     report: &mut Report,
     observer: &mut dyn Observer,
-) -> Result<Route> {
+) -> Result<Input> {
     let points = picks.iter().enumerate().map(|(i, pick)| mesh.resolve_pick(i, pick)).collect::<Result<Vec<_>, _>>()?;
-    let stations = place_stations(mesh, &points, "picks", options)?;
+    let mut stations = place_stations(mesh, &points, "picks", options)?;
+    let mut is_pinned: Vec<bool> = stations.iter().map(|s| s.is_pinned).collect();
+    if options.filter == Filter::Fair {
+        stations.iter_mut().for_each(|s| s.is_pinned = true);
+    }
     let ends: Vec<SearchEnd> = stations.iter().map(|s| search_end(mesh, &s.point)).collect();
     let is_taut = is_straightened(options);
     let midpoint = |_: &SurfacePoint, _: HalfedgeId| 0.5;
-    join_stations(mesh, &stations, options.closed, midpoint, |i, j, _| {
+    let route = join_stations(mesh, &stations, options.closed, midpoint, |i, j, _| {
         let found = if is_taut && stations[i].is_pinned && stations[j].is_pinned {
             find_taut_strip(mesh, &stations[i].point, &stations[j].point, observer)?
         } else {
@@ -49,13 +64,21 @@ pub fn join_picks(
         let found = found.ok_or_else(|| no_path(mesh, "picks", &stations[i], &stations[j]))?;
         report.pops += found.pops;
         Ok(Leg::through_midpoints(found.first, found.word))
-    })
+    })?;
+    if options.filter != Filter::Fair {
+        is_pinned = vec![true; route.pins.len()];
+    }
+    Ok(Input { route, is_pinned, is_drawn: false })
 }
 
 /// Whether the line will be straightened first, so that it may start from any strip. The paper's filters keep the paper's
 /// dual path: what they end at depends on where they start.
 fn is_straightened(options: &Options) -> bool {
-    options.filter == Filter::Geodesic || (options.filter == Filter::Linear && options.solver == Solver::Auto)
+    match options.filter {
+        Filter::Geodesic | Filter::Fair => true,
+        Filter::Linear => options.solver == Solver::Auto,
+        Filter::Cubic | Filter::None => false,
+    }
 }
 
 /// The refusal of two stations that are not connected.

@@ -181,6 +181,20 @@ impl SurfaceMesh {
         VertexId(self.triangles[halfedge.triangle().index()][((halfedge.side() + 2) % 3) as usize])
     }
 
+    /// Length of an edge.
+    #[inline]
+    pub fn edge_length(&self, halfedge: HalfedgeId) -> f64 {
+        let [a, b] = self.ends(halfedge);
+        self.position(a).distance(self.position(b))
+    }
+
+    /// Unit normal of a triangle in its own winding; zero where it has no area.
+    #[inline]
+    pub fn normal(&self, triangle: TriangleId) -> DVec3 {
+        let [a, b, c] = self.corners(triangle).map(|v| self.position(v));
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
     /// See [`Adjacency::twin`].
     #[inline]
     pub fn twin(&self, halfedge: HalfedgeId) -> Option<HalfedgeId> {

@@ -38,7 +38,7 @@ pub struct Report {
     pub iterations: u32,
     /// Moves of single vertices by the heap.
     pub moves: u64,
-    /// Whole-strip steps: Newton steps of `linear`, Gauss-Newton steps of `fair`.
+    /// Whole-strip steps: Newton steps of `linear`, Gauss-Newton steps of `fair`, also those that were taken back.
     pub newton_steps: u64,
     /// Funnel runs of `geodesic`, and of the starts of other filters.
     pub funnels: u64,
@@ -60,6 +60,11 @@ pub struct Report {
     pub stop_reason: StopReason,
     /// The detail size that `fair` worked with.
     pub detail_size: Option<f64>,
+    /// What `fair` lowered: the energy of its finest curve at the start and after each round, in 1 / unit of the
+    /// positions; it never rises.
+    pub energies: Vec<f64>,
+    /// Self-crossings of a `fair` line that its input did not have.
+    pub new_self_crossings: usize,
     /// Points after step B and after each round, when asked for.
     pub stages: Vec<Vec<DVec3>>,
 }
@@ -80,6 +85,8 @@ impl Default for Report {
             start_length: 0.0,
             stop_reason: StopReason::Converged,
             detail_size: None,
+            energies: Vec::new(),
+            new_self_crossings: 0,
             stages: Vec::new(),
         }
     }

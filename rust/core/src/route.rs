@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::mesh::SurfaceMesh;
-use crate::strip::{entered_triangle, turn_word};
+use crate::strip::{entered_triangle, push_reduced, turn_word};
 use crate::surface_point::SurfacePoint;
 
 /// The stretch of a line between two pins, or a whole closed line without pins.
@@ -72,6 +72,13 @@ impl Leg {
         self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h))
     }
 
+    /// Length of the leg from point `from` to point `to`, in the units of the positions.
+    pub fn length(&self, mesh: &SurfaceMesh, from: &SurfacePoint, to: &SurfacePoint) -> f64 {
+        let crossings = self.word.iter().zip(&self.parameters).map(|(&h, &t)| crossing_position(mesh, h, t));
+        let mut last = mesh.position_of(from);
+        crossings.chain([mesh.position_of(to)]).map(|p| std::mem::replace(&mut last, p).distance(p)).sum()
+    }
+
     /// Appends a letter with its parameter, or takes the last one back when the new one crosses the same edge again.
     pub fn push(&mut self, mesh: &SurfaceMesh, letter: HalfedgeId, parameter: f64) {
         if self.word.last().is_some_and(|&last| mesh.twin(last) == Some(letter)) {
@@ -81,6 +88,42 @@ impl Leg {
             self.word.push(letter);
             self.parameters.push(parameter);
         }
+    }
+
+    /// Takes out a full turn round a mesh vertex that the last letter has closed: the strip is back where the line, which
+    /// stays at the vertex meanwhile, was before.
+    pub fn cut_full_turn(&mut self, mesh: &SurfaceMesh) {
+        let spot_at = |i: usize| crossing_spot(mesh, self.word[i], self.parameters[i]);
+        let Some(last) = self.word.len().checked_sub(1) else { return };
+        let vertex = spot_at(last);
+        if !matches!(vertex, Spot::Vertex(_)) {
+            return;
+        }
+        let here = self.last_triangle(mesh);
+        let run = (0..=last).rev().take_while(|&i| spot_at(i) == vertex);
+        if let Some(start) = run.filter(|&i| self.word[i].triangle() == here).last() {
+            self.word.truncate(start);
+            self.parameters.truncate(start);
+        }
+    }
+
+    /// The strip between the ends of this leg after they were moved by the ways `at_start` and `at_end` (words of what
+    /// each crossed), `first` being where the first way led. Without parameters.
+    pub fn between_moved(
+        &self,
+        mesh: &SurfaceMesh,
+        first: TriangleId,
+        at_start: &[HalfedgeId],
+        at_end: &[HalfedgeId],
+    ) -> Self {
+        let mut word = Vec::with_capacity(at_start.len() + self.word.len() + at_end.len());
+        let back = at_start.iter().rev().filter_map(|&h| mesh.twin(h));
+        for letter in back.chain(self.word.iter().copied()).chain(at_end.iter().copied()) {
+            push_reduced(mesh, &mut word, letter);
+        }
+        // A pin on an edge or vertex is left by any triangle that holds it: the one that the word begins in.
+        let first = if at_start.is_empty() { self.first } else { first };
+        Self { first, word, parameters: Vec::new() }
     }
 
     /// Cancels backtracks across the seam of a ring, whose inside must be reduced.
@@ -100,32 +143,25 @@ impl Leg {
     /// Takes out letters `start..end` (across the seam of a ring when `start >= end`), after which the strip is in the
     /// triangle where it was before them, and cancels the backtracks that this makes.
     pub fn cut(&mut self, mesh: &SurfaceMesh, start: usize, end: usize, is_ring: bool) {
-        let mut letters: Vec<(HalfedgeId, f64)> =
-            self.word.iter().copied().zip(self.parameters.iter().copied()).collect();
-        if start < end {
-            letters.drain(start..end);
-        } else {
-            letters.truncate(start);
-            letters.drain(..end);
+        let old = std::mem::replace(self, Self { first: self.first, word: Vec::new(), parameters: Vec::new() });
+        let kept = if start < end { (0..start, end..old.word.len()) } else { (0..0, end..start) };
+        for i in kept.0.chain(kept.1) {
+            self.push(mesh, old.word[i], old.parameters[i]);
         }
-        let mut reduced: Vec<(HalfedgeId, f64)> = Vec::with_capacity(letters.len());
-        for letter in letters {
-            if reduced.last().is_some_and(|last| mesh.twin(last.0) == Some(letter.0)) {
-                reduced.pop();
-            } else {
-                reduced.push(letter);
-            }
+        if is_ring {
+            self.reduce_seam(mesh);
         }
-        let mut rest = reduced.as_slice();
-        while let (true, [first, middle @ .., last]) = (is_ring, rest) {
-            if mesh.twin(last.0) != Some(first.0) {
-                break;
-            }
-            rest = middle;
-        }
-        (self.word, self.parameters) = rest.iter().copied().unzip();
         if let Some(&letter) = self.word.first() {
             self.first = letter.triangle();
+        }
+    }
+
+    /// Moves crossing `i` next to a pin that lies within rounding of the crossed edge, where both have the same point.
+    fn part_from(&mut self, mesh: &SurfaceMesh, pin: Option<DVec3>, i: usize) {
+        if let (Some(&letter), Some(t)) = (self.word.get(i), self.parameters.get_mut(i)) {
+            if pin == Some(crossing_position(mesh, letter, *t)) {
+                *t = nudged(mesh, letter, *t);
+            }
         }
     }
 
@@ -182,10 +218,21 @@ fn edge_size(mesh: &SurfaceMesh, letter: HalfedgeId) -> f64 {
 
 impl Route {
     /// Snaps crossings that cannot be told from a mesh vertex in floating point to that vertex, so that it appears
-    /// once on the line instead of as a cluster of equal points.
+    /// once on the line instead of as a cluster of equal points; and parts those that cannot be told from a pin.
     pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh) {
         let is_ring = self.pins.is_empty();
-        self.legs.iter_mut().for_each(|leg| leg.snap_to_vertices(mesh, is_ring));
+        let pins = self.pins.iter().map(|pin| Some(mesh.position_of(pin))).collect::<Vec<_>>();
+        let pin_at = |i: usize| if is_ring { None } else { pins[i % pins.len()] };
+        for (i, leg) in self.legs.iter_mut().enumerate() {
+            leg.part_from(mesh, pin_at(i), 0);
+            leg.snap_to_vertices(mesh, is_ring);
+            leg.part_from(mesh, pin_at(i + 1), leg.word.len().saturating_sub(1));
+        }
+    }
+
+    /// Whether the line runs through a mesh vertex between its pins.
+    pub fn touches_vertex(&self) -> bool {
+        self.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0)
     }
 
     /// The pin that a leg starts at, if any.
@@ -252,6 +299,12 @@ pub fn triangles_round(mesh: &SurfaceMesh, point: &SurfacePoint) -> Vec<Triangle
         }
     }
     found
+}
+
+/// Barycentric parts of a point in another triangle that holds it.
+pub fn in_triangle(mesh: &SurfaceMesh, point: &SurfacePoint, triangle: TriangleId) -> [f64; 3] {
+    let own = mesh.corners(point.triangle);
+    mesh.corners(triangle).map(|v| own.iter().position(|&c| c == v).map_or(0.0, |k| point.barycentric[k]))
 }
 
 /// Where a surface point lies, judged by exact zeroes.

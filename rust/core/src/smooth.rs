@@ -7,12 +7,13 @@ use std::ops::ControlFlow;
 use crate::error::{Error, OptionError, Result};
 use crate::filter::cubic::Cubic;
 use crate::filter::linear::Linear;
-use crate::join::join_picks;
+use crate::join::{Input, join_picks};
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, Solver};
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
 use crate::route::Route;
+use crate::smooth_fair::smooth_fair;
 use crate::smooth_geodesic::smooth_geodesic;
 use crate::smooth_sliding::smooth_sliding;
 use crate::surface_point::Pick;
@@ -31,8 +32,8 @@ pub fn polyline(
     options.check()?;
     let mut report = Report::default();
     go_on(observer, Step::Search)?;
-    let route = join_picks(mesh, picks, options, &mut report, observer)?;
-    smooth_route(mesh, route, options, report, observer)
+    let input = join_picks(mesh, picks, options, &mut report, observer)?;
+    smooth_input(mesh, input, options, report, observer)
 }
 
 /// Smooths what steps A and B made, wherever it came from: pins, strips and start parameters. `report` holds the work of
@@ -40,13 +41,14 @@ pub fn polyline(
 ///
 /// # Errors
 /// A closed line that collapses, or [`Error::Interrupted`] when the observer says so.
-pub fn smooth_route(
+pub fn smooth_input(
     mesh: &SurfaceMesh,
-    mut route: Route,
+    input: Input,
     options: &Options,
     mut report: Report,
     observer: &mut dyn Observer,
 ) -> Result<Polyline> {
+    let Input { mut route, is_pinned, is_drawn } = input;
     let start = assemble(mesh, route.clone(), Report::default());
     report.start_length = start.length();
     report.strip_triangles = start.strip.len();
@@ -76,9 +78,11 @@ pub fn smooth_route(
             )?;
         }
         Filter::Fair => {
-            let message =
-                "\"fair\" is not available in this version; use \"geodesic\", \"linear\", \"cubic\" or \"none\"";
-            return Err(OptionError::new("filter", message).into());
+            if !is_drawn {
+                let start = Options { max_iterations: None, stages: false, ..options.clone() };
+                smooth_geodesic(mesh, &mut route, &start, &mut report, observer)?;
+            }
+            smooth_fair(mesh, &mut route, &is_pinned, is_drawn, options, &mut report, observer)?;
         }
     }
     go_on(observer, Step::Assemble)?;

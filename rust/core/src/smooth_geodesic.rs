@@ -50,8 +50,7 @@ pub fn smooth_geodesic(
         }
     };
     route.snap_to_vertices(mesh);
-    let touches_vertex = route.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0);
-    report.stop_reason = match (finish, touches_vertex) {
+    report.stop_reason = match (finish, route.touches_vertex()) {
         (Finish::Settled, false) => StopReason::Converged,
         (Finish::Settled, true) => StopReason::ConvergedAtVertices,
         (Finish::Cycling, _) => StopReason::Cycle,

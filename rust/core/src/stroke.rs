@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::ids::{HalfedgeId, TriangleId};
-use crate::join::{Station, join_stations, no_path, place_stations, search_end};
+use crate::join::{Input, Station, join_stations, no_path, place_stations, search_end};
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
 use crate::polyline::Polyline;
@@ -18,7 +18,7 @@ use crate::report::{Observer, Report, Step};
 use crate::route::{Leg, Route, Spot, parameter_at, spot_of};
 use crate::search::SearchEnd;
 use crate::section::{WalkEnd, walk_straight};
-use crate::smooth::{go_on, smooth_route};
+use crate::smooth::{go_on, smooth_input};
 use crate::surface_point::{Pick, SurfacePoint};
 
 /// What messages call the points of a stroke.
@@ -50,7 +50,8 @@ pub fn stroke(
     options.check()?;
     let mut report = Report::default();
     let route = join_stroke(mesh, points, options, &mut report, observer)?;
-    smooth_route(mesh, route, options, report, observer)
+    let is_pinned = vec![true; route.pins.len()];
+    smooth_input(mesh, Input { route, is_pinned, is_drawn: true }, options, report, observer)
 }
 
 /// The route along a stroke, before any smoothing; notes breaks, the largest distance and pops in `report`.

@@ -78,7 +78,8 @@ impl Unfolding {
         self.end = self.ahead(mesh, portal, end);
     }
 
-    fn ahead(&self, mesh: &SurfaceMesh, [left, right]: [u32; 2], point: DVec3) -> DVec2 {
+    /// Where `point`, ahead of a portal, comes to lie.
+    pub fn ahead(&self, mesh: &SurfaceMesh, [left, right]: [u32; 2], point: DVec3) -> DVec2 {
         let (l, r) = (&self.ends[left as usize], &self.ends[right as usize]);
         ahead_of(mesh.position(l.vertex), mesh.position(r.vertex), l.at, r.at, point)
     }

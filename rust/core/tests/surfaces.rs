@@ -62,7 +62,8 @@ fn sweep(name: &str, shape: &Shape, rounds: usize, seed: u64) -> (usize, usize) 
                         lines += 1;
                         check_report(&made.report, &options);
                         let has_inner_pins = made.route.pins.len() > if options.closed { 0 } else { 2 };
-                        if is_simple && !has_inner_pins {
+                        // A curve that keeps the shape of its picks comes back to where they do.
+                        if is_simple && !has_inner_pins && options.filter != Filter::Fair {
                             let before = try_line(&mesh, &picks, &step_b(&options));
                             let repeats = before.map_or(0, |before| count_new_repeats(&before, &made));
                             assert_eq!(repeats, 0, "{name}, {filter}: new loops, {picks:?} {options:?}");

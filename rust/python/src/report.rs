@@ -109,6 +109,19 @@ impl PyReport {
         self.report.detail_size
     }
 
+    /// What `fair` lowered: the energy of its finest curve at the start and after each round on it, in 1 / the unit of the
+    /// positions; it never rises. A list of floats, empty for other filters.
+    #[getter]
+    fn energies(&self) -> Vec<f64> {
+        self.report.energies.clone()
+    }
+
+    /// Self-crossings of a `fair` line that its input did not have: an int.
+    #[getter]
+    fn new_self_crossings(&self) -> usize {
+        self.report.new_self_crossings
+    }
+
     /// Wall time of each step: a dict of floats with keys search, relax, vertex_pass, assemble and total.
     ///
     /// A line of a network has the times of the whole network.
@@ -125,12 +138,14 @@ impl PyReport {
 
     fn __repr__(&self) -> String {
         let Report { iterations, moves, newton_steps, funnels, vertex_passes, loops_removed, .. } = self.report;
-        let Report { pops, stroke_breaks, stroke_distance, strip_triangles, start_length, .. } = self.report;
+        let Report { pops, stroke_breaks, stroke_distance, strip_triangles, start_length, new_self_crossings, .. } =
+            self.report;
         let detail_size = self.report.detail_size.map_or_else(|| "None".to_owned(), |size| format!("{size:?}"));
         format!(
             "Report(stop_reason='{}', iterations={iterations}, moves={moves}, newton_steps={newton_steps}, \
              funnels={funnels}, vertex_passes={vertex_passes}, loops_removed={loops_removed}, pops={pops}, \
-             stroke_breaks={stroke_breaks}, stroke_distance={stroke_distance:?}, strip_triangles={strip_triangles}, start_length={start_length:?}, detail_size={detail_size}, \
+             stroke_breaks={stroke_breaks}, stroke_distance={stroke_distance:?}, strip_triangles={strip_triangles}, \
+             start_length={start_length:?}, detail_size={detail_size}, new_self_crossings={new_self_crossings}, \
              stages={}, seconds={:.6})",
             self.stop_name(),
             self.report.stages.len(),

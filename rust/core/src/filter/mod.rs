@@ -6,6 +6,7 @@
 pub mod closed_geodesic;
 pub mod cubic;
 pub mod cubic_curve;
+pub mod fair;
 pub mod geodesic;
 pub mod linear;
 

@@ -30,6 +30,7 @@ pub fn filters() -> Vec<(&'static str, Options)> {
         ("linear by heap", Options { solver: Solver::Heap, threshold: 1e-3, ..of(Filter::Linear) }),
         ("cubic", Options { threshold: 1e-2, ..of(Filter::Cubic) }),
         ("geodesic", of(Filter::Geodesic)),
+        ("fair", of(Filter::Fair)),
     ]
 }
 
@@ -46,6 +47,11 @@ pub fn cubic() -> Options {
 /// The `geodesic` filter.
 pub fn geodesic() -> Options {
     Options { filter: Filter::Geodesic, ..Options::default() }
+}
+
+/// The `fair` filter.
+pub fn fair() -> Options {
+    Options { filter: Filter::Fair, ..Options::default() }
 }
 
 /// The same options for a closed line.

@@ -1,0 +1,295 @@
+//! The `fair` filter: the smoothest curve near the input, as an energy of samples, and the step that lowers it.
+//!
+//! ```text
+//!   energy = sum |a_i|^2 / h_i  +  sum h_i |x_i - q_i|^2 / detail_size^4
+//!
+//!   a_i = (way to x_i+1) / step_i  -  (way from x_i-1) / step_i-1      x_i   samples on the surface
+//!   h_i = (step_i-1 + step_i) / 2                                       q_i   where they were on the input
+//! ```
+//!
+//! The way to a neighbour is the span's first direction times its length; all is measured in the surface, so the energy
+//! is that of a spline with the input's arc length for its parameter: integral of the squared second derivative along
+//! the surface, plus closeness. In the plane it is quadratic and its least the natural cubic spline (for samples ever
+//! closer); on a surface it is lowered by Gauss-Newton steps, in each of which a sample moves straight ahead on the
+//! surface (`trace`), over as many triangles and vertices as it takes.
+//!
+//! Source: L. Noakes, G. Heinzinger, B. Paden 1989, *Cubic Splines on Curved Spaces*; discretised here.
+
+use std::rc::Rc;
+
+use glam::{DMat2, DVec2, DVec3};
+
+use crate::cone::Cones;
+use crate::ids::{HalfedgeId, TriangleId};
+use crate::mesh::SurfaceMesh;
+use crate::relax::banded::Banded;
+use crate::report::Report;
+use crate::route::{Leg, Route, spot_of};
+use crate::samples::Samples;
+use crate::span::{Span, SpanWork};
+use crate::surface_point::SurfacePoint;
+use crate::trace::trace;
+use crate::turn::{Heading, Turn, turn_at};
+
+/// Spans a side over which the surface's curvature is averaged for a step's model.
+const CURVATURE_SPANS: isize = 8;
+
+/// A curve in the making.
+#[derive(Clone, Debug)]
+pub struct FairCurve {
+    /// What does not change: pins, anchors and steps.
+    input: Rc<Samples>,
+    /// 1 / detail size to the fourth; 0 for no closeness.
+    closeness: f64,
+    /// Where the samples are now.
+    pub points: Vec<SurfacePoint>,
+    /// Spans between neighbouring samples.
+    pub spans: Vec<Span>,
+    frames: Vec<Frame>,
+    /// See the module.
+    pub energy: f64,
+}
+
+/// Directions at a sample, in a plane whose x axis is the way in (at the start of an open curve the way out) and whose y
+/// axis is to the left of it.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    /// The axes in space; at pins they play no part.
+    axes: [DVec3; 2],
+    /// Directions of the chords of the spans before and after.
+    chord_in: DVec2,
+    chord_out: DVec2,
+    /// Whether left is right at the next sample.
+    flips: bool,
+}
+
+/// Where the samples of a curve should go.
+#[derive(Clone, Debug)]
+pub struct FairStep {
+    /// For each sample, in its own frame.
+    ways: Vec<DVec2>,
+    /// How far the model says that the energy falls; above 0.
+    pub fall: f64,
+}
+
+impl FairCurve {
+    /// The curve where the samples are now, `detail_size` in the units of the positions.
+    pub fn new(
+        mesh: &SurfaceMesh,
+        samples: Samples,
+        detail_size: f64,
+        work: &mut SpanWork,
+        report: &mut Report,
+    ) -> Self {
+        let count = samples.points.len();
+        let spans = samples.legs.iter().enumerate().map(|(i, leg)| {
+            Span::relax(mesh, &samples.points[i], &samples.points[(i + 1) % count], leg.clone(), work, report)
+        });
+        let (spans, points) = (spans.collect(), samples.points.clone());
+        let closeness = detail_size.powi(-4);
+        Self { input: Rc::new(samples), closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh)
+    }
+
+    fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// The span before a sample and the one after it.
+    fn neighbours(&self, i: usize) -> (Option<usize>, Option<usize>) {
+        let before = if i > 0 { Some(i - 1) } else { self.input.closed.then(|| self.count() - 1) };
+        (before, (i < self.spans.len()).then_some(i))
+    }
+
+    /// Length of the input that a sample stands for.
+    fn weight(&self, i: usize) -> f64 {
+        let (before, after) = self.neighbours(i);
+        0.5 * [before, after].into_iter().flatten().map(|span| self.input.steps[span]).sum::<f64>()
+    }
+
+    fn measured(mut self, mesh: &SurfaceMesh) -> Self {
+        self.frames = (0..self.count()).map(|i| self.frame(mesh, i)).collect();
+        self.energy = (0..self.count())
+            .map(|i| {
+                let bending = self.acceleration(i).map_or(0.0, |a| a.length_squared() / self.weight(i));
+                let off = mesh.position_of(&self.points[i]) - self.input.anchors[i];
+                bending + self.closeness * self.weight(i) * off.length_squared()
+            })
+            .sum();
+        self
+    }
+
+    /// The surface's Gauss curvature at each sample: angle defects over areas, of the vertices along the curve.
+    fn curvatures(&self, mesh: &SurfaceMesh, cones: &mut Cones) -> Vec<f64> {
+        let mut of_span = |span: &Span| {
+            let entered = span.leg.word.iter().filter_map(|&h| mesh.twin(h)).map(HalfedgeId::triangle);
+            let spokes = std::iter::once(span.leg.first).chain(entered).flat_map(TriangleId::halfedges);
+            spokes.map(|h| cones.get(mesh, h)).fold(DVec2::ZERO, |sum, cone| sum + DVec2::new(cone.defect, cone.area))
+        };
+        let sums: Vec<DVec2> = self.spans.iter().map(&mut of_span).collect();
+        let count = sums.len() as isize;
+        let at = |k: isize| {
+            let k = if self.input.closed { k.rem_euclid(count) } else { k };
+            (0..count).contains(&k).then(|| sums[k as usize])
+        };
+        let mean = |i: isize| {
+            let sum: DVec2 = (i - CURVATURE_SPANS..i + CURVATURE_SPANS).filter_map(at).sum();
+            if sum.y > 0.0 { sum.x / sum.y } else { 0.0 }
+        };
+        (0..self.count() as isize).map(mean).collect()
+    }
+
+    fn frame(&self, mesh: &SurfaceMesh, i: usize) -> Frame {
+        let (before, after) = self.neighbours(i);
+        let (before, after) = (before.map(|k| &self.spans[k]), after.map(|k| &self.spans[k]));
+        let sign = |flips: bool| if flips { -1.0 } else { 1.0 };
+        let (heading, turn) = match (before.map(|s| s.end), after.map(|s| s.start)) {
+            (Some(into), Some(out)) if into.direction != DVec3::ZERO && out.direction != DVec3::ZERO => {
+                (into, turn_at(mesh, spot_of(mesh, &self.points[i]), into, out))
+            }
+            (Some(into), _) if into.direction != DVec3::ZERO => (into, Turn::default()),
+            (into, out) => (
+                out.or(into).unwrap_or(Heading { triangle: self.points[i].triangle, direction: DVec3::X }),
+                Turn::default(),
+            ),
+        };
+        let left = mesh.normal(heading.triangle).cross(heading.direction);
+        let bend_in = before.map_or(0.0, |s| s.bend_in);
+        let bend_out = after.map_or(0.0, |s| s.bend_out);
+        Frame {
+            axes: [heading.direction, left],
+            chord_in: DVec2::from_angle(-bend_in),
+            chord_out: DVec2::from_angle(turn.angle + sign(turn.flips) * bend_out),
+            flips: turn.flips ^ after.is_some_and(|s| s.flips),
+        }
+    }
+
+    /// The second difference at a sample; none at the ends of an open curve.
+    fn acceleration(&self, i: usize) -> Option<DVec2> {
+        let (before, after) = self.neighbours(i);
+        let (before, after) = (before?, after?);
+        let speed = |span: usize| self.spans[span].length / self.input.steps[span];
+        Some(speed(after) * self.frames[i].chord_out - speed(before) * self.frames[i].chord_in)
+    }
+
+    /// Takes a vector at the sample after span `span` to the sample before it.
+    fn transport(&self, span: usize) -> DMat2 {
+        let (here, there) = (&self.frames[span], &self.frames[(span + 1) % self.count()]);
+        let mirror = if here.flips { DMat2::from_diagonal(DVec2::new(1.0, -1.0)) } else { DMat2::IDENTITY };
+        let rotation = |v: DVec2| DMat2::from_cols(v, v.perp());
+        rotation(here.chord_out) * mirror * rotation(there.chord_in).transpose()
+    }
+
+    /// The Gauss-Newton step that leaves alone what is longer than `reach`, a length in the units of the positions: it is
+    /// held back by closeness to where the curve is, as if that were its input and `reach` its detail size. `None` when
+    /// there is no such step.
+    pub fn step(&self, mesh: &SurfaceMesh, reach: f64, cones: &mut Cones) -> Option<FairStep> {
+        let count = self.count();
+        let hold = reach.powi(-4);
+        let curvatures = self.curvatures(mesh, cones);
+        let mut matrix = Banded::zero(2 * count, 5);
+        let mut right = vec![0.0; 2 * count];
+        for (i, &curvature) in curvatures.iter().enumerate() {
+            self.add_bending(i, curvature, &mut matrix, &mut right);
+            if self.input.is_pinned[i] {
+                (0..2).for_each(|c| matrix.add(2 * i + c, 0, 1.0));
+                continue;
+            }
+            let weight = self.weight(i);
+            let off = mesh.position_of(&self.points[i]) - self.input.anchors[i];
+            for c in 0..2 {
+                matrix.add(2 * i + c, 0, (self.closeness + hold) * weight);
+                right[2 * i + c] -= self.closeness * weight * off.dot(self.frames[i].axes[c]);
+            }
+        }
+        let solution = matrix.solve(&right, self.input.closed)?;
+        let ways: Vec<DVec2> = solution.chunks(2).map(DVec2::from_slice).collect();
+        // The model is E - 2 right v + v A v with (A + hold) v = right.
+        let held = |(i, way): (usize, &DVec2)| hold * self.weight(i) * way.length_squared();
+        let fall = right.iter().zip(&solution).map(|(r, v)| r * v).sum::<f64>()
+            + ways.iter().enumerate().map(held).sum::<f64>();
+        Some(FairStep { ways, fall })
+    }
+
+    /// Adds one second difference's part of the normal equations.
+    fn add_bending(&self, i: usize, curvature: f64, matrix: &mut Banded, right: &mut [f64]) {
+        let (count, weight) = (self.count(), self.weight(i));
+        let (Some(acceleration), (Some(before), Some(after))) = (self.acceleration(i), self.neighbours(i)) else {
+            return;
+        };
+        let (step_before, step_after) = (self.input.steps[before], self.input.steps[after]);
+        let stretch = -1.0 / step_before - 1.0 / step_after;
+        let speed = 0.5 * (self.spans[before].length / step_before + self.spans[after].length / step_after);
+        let own = DMat2::from_diagonal(DVec2::new(stretch, stretch + weight * speed * speed * curvature));
+        let stencil = [
+            (-1, (i + count - 1) % count, self.transport(before).transpose() * (1.0 / step_before)),
+            (0, i, own),
+            (1, (i + 1) % count, self.transport(after) * (1.0 / step_after)),
+        ];
+        for &(place, j, block) in stencil.iter().filter(|(_, j, _)| !self.input.is_pinned[*j]) {
+            let rhs = block.transpose() * acceleration / weight;
+            right[2 * j] -= rhs.x;
+            right[2 * j + 1] -= rhs.y;
+            for &(other, _, other_block) in stencil.iter().filter(|(_, k, _)| !self.input.is_pinned[*k]) {
+                let product = block.transpose() * other_block * (1.0 / weight);
+                for row in 0..2 {
+                    for column in 0..2 {
+                        let offset = 2 * (other - place) + column as isize - row as isize;
+                        matrix.add(2 * j + row, offset, product.col(column)[row]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The curve after a step: samples go straight ahead on the surface, and the spans follow.
+    pub fn moved(&self, mesh: &SurfaceMesh, step: &FairStep, work: &mut SpanWork, report: &mut Report) -> Self {
+        let mut points = self.points.clone();
+        let mut crossed = vec![Vec::new(); points.len()];
+        for i in (0..points.len()).filter(|&i| !self.input.is_pinned[i]) {
+            let [x, y] = self.frames[i].axes;
+            let way = step.ways[i].x * x + step.ways[i].y * y;
+            points[i] = trace(mesh, &self.points[i], way, &mut crossed[i]);
+        }
+        let spans = self.spans.iter().enumerate().map(|(i, span)| {
+            let next = (i + 1) % points.len();
+            let leg = span.leg.between_moved(mesh, points[i].triangle, &crossed[i], &crossed[next]);
+            Span::relax(mesh, &points[i], &points[next], leg, work, report)
+        });
+        let spans = spans.collect();
+        let input = Rc::clone(&self.input);
+        Self { input, closeness: self.closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh)
+    }
+
+    /// The curve as a line: its crossings alone, between its pins. `None` when a closed curve without pins crosses
+    /// nothing any more.
+    pub fn to_route(&self, mesh: &SurfaceMesh) -> Option<Route> {
+        let (count, is_pinned) = (self.spans.len(), &self.input.is_pinned);
+        let pins: Vec<usize> = (0..self.count()).filter(|&i| is_pinned[i]).collect();
+        let start = pins.first().copied().unwrap_or(0);
+        let mut legs: Vec<Leg> = Vec::new();
+        for i in (0..count).map(|k| (start + k) % count) {
+            let span = &self.spans[i].leg;
+            if legs.is_empty() || is_pinned[i] {
+                legs.push(Leg { first: span.first, word: Vec::new(), parameters: Vec::new() });
+            }
+            let leg = legs.last_mut()?;
+            for (&h, &t) in span.word.iter().zip(&span.parameters) {
+                leg.push(mesh, h, t);
+                leg.cut_full_turn(mesh);
+            }
+        }
+        if pins.is_empty() {
+            legs[0].reduce_seam(mesh);
+            legs[0].word.first()?;
+        }
+        let pins = pins.iter().map(|&i| self.points[i]).collect();
+        let mut route = Route { closed: self.input.closed, pins, legs };
+        route.snap_to_vertices(mesh);
+        Some(route)
+    }
+
+    /// The longest way in a step, relative to the distance of the samples there.
+    pub fn relative_size(&self, step: &FairStep) -> f64 {
+        step.ways.iter().enumerate().map(|(i, way)| way.length() / self.weight(i)).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,230 @@
+//! Samples of a line, with the strips between them: how `fair` holds a curve.
+//!
+//! Samples lie inside triangles, so that they can move freely; pins lie where they were given. A curve can be thinned
+//! (fewer samples) and refined again. Holds no smoothing.
+
+use glam::DVec3;
+
+use crate::ids::TriangleId;
+use crate::mesh::SurfaceMesh;
+use crate::route::{Leg, Route, crossing_point, in_triangle};
+use crate::strip::{entered_triangle, push_reduced};
+use crate::surface_point::SurfacePoint;
+use crate::trace::moved_inside;
+
+/// Pieces that the line between two neighbouring pins or picks is cut into at least, so that a curve through a few
+/// large triangles is round as well.
+const FEWEST_PIECES: usize = 4;
+
+/// A piece between two samples is taken for at least this share of the spacing, where points coincide.
+const SHORTEST_PIECE: f64 = 1e-3;
+
+/// See the module. Closed: as many pieces as samples, the last one back to the first sample; open: one fewer.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Samples {
+    /// Whether the last sample is joined to the first.
+    pub closed: bool,
+    /// Where they lie.
+    pub points: Vec<SurfacePoint>,
+    /// Samples that do not move.
+    pub is_pinned: Vec<bool>,
+    /// Where they were on the input, in space.
+    pub anchors: Vec<DVec3>,
+    /// Length of the input between neighbouring samples, in the units of the positions; above 0.
+    pub steps: Vec<f64>,
+    /// Strips between neighbouring samples; parameters play no part.
+    pub legs: Vec<Leg>,
+}
+
+/// Mean length of the edges that a route crosses; where it crosses none, its own length.
+pub fn mean_edge_length(mesh: &SurfaceMesh, route: &Route) -> f64 {
+    let letters = || route.legs.iter().flat_map(|leg| &leg.word);
+    let count = letters().count();
+    let sum: f64 = letters().map(|&h| mesh.edge_length(h)).sum();
+    if count > 0 { sum / count as f64 } else { route_length(mesh, route) }
+}
+
+/// Length of a route with pins, in the units of the positions.
+pub fn route_length(mesh: &SurfaceMesh, route: &Route) -> f64 {
+    let ends = |i: usize| Some((route.start_pin(i)?, route.end_pin(i)?));
+    let lengths = route.legs.iter().enumerate().filter_map(|(i, leg)| ends(i).map(|(a, b)| leg.length(mesh, a, b)));
+    lengths.sum()
+}
+
+/// A ring without pins as a route from a point on it back to the same; any other route as it is.
+pub fn with_seam(mesh: &SurfaceMesh, route: Route) -> Route {
+    let [leg] = &route.legs[..] else { return route };
+    let (true, Some(&first), Some(&last)) = (route.pins.is_empty(), leg.word.first(), leg.word.last()) else {
+        return route;
+    };
+    let count = leg.word.len();
+    let start = in_triangle(mesh, &crossing_point(mesh, first, leg.parameters[0]), leg.first);
+    let end = in_triangle(mesh, &crossing_point(mesh, last, leg.parameters[count - 1]), leg.first);
+    Route { pins: vec![between(leg.first, start, end, 0.5)], ..route }
+}
+
+impl Samples {
+    /// Samples of `input`, a route with pins, at most `spacing` apart; only pins with their flag in `is_pinned` stay fixed.
+    pub fn of_route(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool], spacing: f64) -> Self {
+        let mut samples = Self { closed: input.closed, ..Self::default() };
+        for (i, leg) in input.legs.iter().enumerate() {
+            let (Some(start), Some(end)) = (input.start_pin(i), input.end_pin(i)) else { continue };
+            let mut piece = Leg { first: leg.first, word: Vec::new(), parameters: Vec::new() };
+            if is_pinned[i] {
+                samples.push(mesh, *start, true);
+            } else {
+                // It lies where the leg before it ends; what leads on from there belongs to the piece that begins here.
+                let before = if i == 0 { input.legs.len() - 1 } else { i - 1 };
+                piece.first = input.legs[before].last_triangle(mesh);
+                piece.word = input.join(mesh, i).unwrap_or_default();
+                samples.push(mesh, inner_sample(mesh, start, piece.first), false);
+            }
+            let length = leg.length(mesh, start, end);
+            let pieces = ((length / spacing).ceil() as usize).max(FEWEST_PIECES);
+            let step = (length / pieces as f64).max(SHORTEST_PIECE * spacing);
+            let shares: Vec<f64> = (1..pieces).map(|k| k as f64 / pieces as f64).collect();
+            let cuts = cut_leg(mesh, leg, start, end, &shares, piece);
+            cuts.points.iter().for_each(|&point| samples.push(mesh, point, false));
+            samples.steps.extend(std::iter::repeat_n(step, pieces));
+            samples.legs.extend(cuts.legs);
+        }
+        if let (false, Some(last)) = (input.closed, input.pins.last()) {
+            samples.push(mesh, *last, true);
+        }
+        samples
+    }
+
+    fn push(&mut self, mesh: &SurfaceMesh, point: SurfacePoint, is_pinned: bool) {
+        self.points.push(point);
+        self.is_pinned.push(is_pinned);
+        self.anchors.push(mesh.position_of(&point));
+    }
+
+    /// The samples that a thinner curve keeps: pins, and every `stride`-th after each.
+    pub fn kept_at(&self, stride: usize) -> Vec<usize> {
+        let count = self.points.len();
+        let first_pin = self.is_pinned.iter().position(|&p| p).unwrap_or(0);
+        let mut kept = Vec::new();
+        let mut since_pin = 0;
+        for i in (0..count).map(|k| (first_pin + k) % count) {
+            since_pin = if self.is_pinned[i] { 0 } else { since_pin };
+            if since_pin % stride == 0 {
+                kept.push(i);
+            }
+            since_pin += 1;
+        }
+        kept.sort_unstable();
+        kept
+    }
+
+    /// For each piece of the curve of the samples `kept`, the pieces of this one that it is made of, as places in
+    /// `steps` that may lie beyond the seam.
+    fn pieces_of<'a>(&'a self, kept: &'a [usize]) -> impl Iterator<Item = std::ops::Range<usize>> + 'a {
+        let count = if self.closed { kept.len() } else { kept.len() - 1 };
+        (0..count).map(|k| kept[k]..if k + 1 < kept.len() { kept[k + 1] } else { kept[0] + self.points.len() })
+    }
+
+    /// The curve of the samples `kept` alone.
+    pub fn thinned(&self, mesh: &SurfaceMesh, kept: &[usize]) -> Self {
+        let mut thin = Self { closed: self.closed, ..Self::default() };
+        for &i in kept {
+            thin.points.push(self.points[i]);
+            thin.is_pinned.push(self.is_pinned[i]);
+            thin.anchors.push(self.anchors[i]);
+        }
+        let count = self.steps.len();
+        for pieces in self.pieces_of(kept) {
+            let first = self.legs[pieces.start % count].first;
+            let mut leg = Leg { first, word: Vec::new(), parameters: Vec::new() };
+            for i in pieces.clone() {
+                self.legs[i % count].word.iter().for_each(|&h| push_reduced(mesh, &mut leg.word, h));
+            }
+            thin.steps.push(pieces.map(|i| self.steps[i % count]).sum());
+            thin.legs.push(leg);
+        }
+        thin
+    }
+
+    /// These samples where a thinner curve of the samples `kept` has them, which has come to lie at `points`, joined by
+    /// `legs`.
+    pub fn refined(&self, mesh: &SurfaceMesh, kept: &[usize], points: &[SurfacePoint], legs: &[Leg]) -> Self {
+        let mut fine = Self { legs: Vec::new(), ..self.clone() };
+        let mut placed = vec![None; self.steps.len()];
+        let count = self.steps.len();
+        for (k, pieces) in self.pieces_of(kept).enumerate() {
+            let (start, end) = (&points[k], &points[(k + 1) % points.len()]);
+            let total: f64 = pieces.clone().map(|i| self.steps[i % count]).sum();
+            let mut done = 0.0;
+            let shares = pieces.clone().take(pieces.len() - 1).map(|i| {
+                done += self.steps[i % count];
+                done / total
+            });
+            let shares: Vec<f64> = shares.collect();
+            let piece = Leg { first: legs[k].first, word: Vec::new(), parameters: Vec::new() };
+            let cuts = cut_leg(mesh, &legs[k], start, end, &shares, piece);
+            fine.points[pieces.start % count] = *start;
+            for (i, &point) in pieces.clone().skip(1).zip(&cuts.points) {
+                fine.points[i % count] = point;
+            }
+            for (i, leg) in pieces.zip(cuts.legs) {
+                placed[i % count] = Some(leg);
+            }
+        }
+        fine.legs = placed.into_iter().flatten().collect();
+        fine
+    }
+}
+
+/// Points that cut a leg, and the strips between them.
+struct Cuts {
+    points: Vec<SurfacePoint>,
+    legs: Vec<Leg>,
+}
+
+/// Cuts a leg at `shares` of its length, which rise; `piece` holds what lies before the leg's first letter.
+fn cut_leg(
+    mesh: &SurfaceMesh,
+    leg: &Leg,
+    start: &SurfacePoint,
+    end: &SurfacePoint,
+    shares: &[f64],
+    mut piece: Leg,
+) -> Cuts {
+    let length = leg.length(mesh, start, end);
+    let mut cuts = Cuts { points: Vec::with_capacity(shares.len()), legs: Vec::with_capacity(shares.len() + 1) };
+    let (mut triangle, mut here, mut done) = (leg.first, *start, 0.0);
+    for i in 0..=leg.word.len() {
+        let letter = leg.word.get(i).map(|&h| (h, leg.parameters[i]));
+        let next = letter.map_or(*end, |(h, t)| crossing_point(mesh, h, t));
+        let segment = mesh.position_of(&here).distance(mesh.position_of(&next));
+        while let Some(share) = shares.get(cuts.points.len()) {
+            let ahead = share * length - done;
+            // The last segment takes what rounding has left over.
+            if ahead > segment && letter.is_some() {
+                break;
+            }
+            let share = if segment > 0.0 { (ahead / segment).min(1.0) } else { 0.5 };
+            let (a, b) = (in_triangle(mesh, &here, triangle), in_triangle(mesh, &next, triangle));
+            let next_piece = Leg { first: triangle, word: Vec::new(), parameters: Vec::new() };
+            cuts.legs.push(std::mem::replace(&mut piece, next_piece));
+            cuts.points.push(moved_inside(between(triangle, a, b, share)));
+        }
+        done += segment;
+        here = next;
+        if let Some((h, _)) = letter {
+            push_reduced(mesh, &mut piece.word, h);
+            triangle = entered_triangle(mesh, h);
+        }
+    }
+    cuts.legs.push(piece);
+    cuts
+}
+
+/// `point`, which `triangle` holds, moved a little inside it.
+fn inner_sample(mesh: &SurfaceMesh, point: &SurfacePoint, triangle: TriangleId) -> SurfacePoint {
+    moved_inside(SurfacePoint { triangle, barycentric: in_triangle(mesh, point, triangle) })
+}
+
+fn between(triangle: TriangleId, a: [f64; 3], b: [f64; 3], share: f64) -> SurfacePoint {
+    SurfacePoint { triangle, barycentric: std::array::from_fn(|k| (1.0 - share) * a[k] + share * b[k]) }
+}
