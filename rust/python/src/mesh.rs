@@ -108,9 +108,8 @@ impl PySurfaceMesh {
     ///     Most rounds of relaxation and vertex passes. None: 100 for the paper's filters, what convergence takes for
     ///     "geodesic" and "fair".
     /// detail_size : float, optional
-    ///     "fair" only: a length in the units of the positions; wiggles much shorter than it go, longer ones stay. `inf`:
-    ///     as smooth as the pins allow (a closed line then needs 3). None: `inf` where all inner picks are pinned, else a
-    ///     quarter of the mean distance between picks along the straightest line through them; `report.detail_size` tells.
+    ///     "fair" only, in the units of the positions: wiggles much shorter than it go; `inf`: as smooth as the pins allow.
+    ///     None: `inf` if all inner picks are pinned, else a quarter of the mean distance between picks.
     /// knots : "uniform", "centripetal" or "chordal"
     ///     "cubic" only: parameters of the neighbours; "uniform" is the paper's.
     /// support : int
