@@ -17,9 +17,9 @@ OPTIONS = {
 }
 # Mesh, picks, options, and the counters in the order of COUNTERS.
 COUNTED = [
-    ("grid", (5, 230), "heap", (62, 8, 4430, 0, 5, 7)),
+    ("grid", (5, 230), "heap", (62, 11, 4015, 0, 6, 17)),
     ("grid", (5, 230), "linear", (17, 1, 0, 0, 0, 1)),
-    ("grid", (5, 230), "cubic", (62, 1, 35, 0, 0, 0)),
+    ("grid", (5, 230), "cubic", (62, 1, 18, 0, 0, 0)),
     ("grid", (5, 230), "geodesic", (17, 1, 0, 0, 0, 1)),
     ("spot.obj", (100, 4000), "heap", (910, 14, 40673, 0, 37, 55)),
     ("spot.obj", (100, 4000), "linear", (240, 1, 0, 4, 15, 7)),

@@ -18,6 +18,7 @@ pub mod error;
 pub mod filter;
 pub mod ids;
 pub mod join;
+pub mod landmarks;
 pub mod loops;
 pub mod mesh;
 pub mod options;

@@ -46,7 +46,8 @@ pub struct Report {
     pub vertex_passes: u64,
     /// Loops cut out of the strip.
     pub loops_removed: u64,
-    /// Triangles taken from the search queue in step B; slivers up to three times.
+    /// Triangles taken from the search queue in step B; slivers up to three times. Fewer, for the same line, once a large
+    /// mesh was asked often enough to choose landmarks.
     pub pops: u64,
     /// Pairs of neighbouring points of a stroke that step B joined, as no straight walk over the surface did.
     pub stroke_breaks: usize,

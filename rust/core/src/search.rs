@@ -7,13 +7,15 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 
 use glam::DVec3;
 
 use crate::adjacency::Adjacency;
 use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::landmarks::{Aim, Landmarks};
 use crate::mesh::SurfaceMesh;
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
@@ -23,6 +25,16 @@ const NONE: u32 = u32::MAX;
 
 /// Triangles taken from the queue between two calls of the observer; about a millisecond.
 const POPS_PER_OBSERVATION: u64 = 4096;
+
+/// A mesh of fewer triangles needs no landmarks: searching all of it takes a few milliseconds.
+const LANDMARK_TRIANGLES: usize = 40_000;
+
+/// Landmarks are chosen once searches have taken this many triangles from their queues for each triangle of the mesh:
+/// choosing costs about half of what was spent by then.
+const POPS_BEFORE_LANDMARKS: u64 = 32;
+
+/// Rounding of a sum of some ten thousand weights, as a share of it.
+const COST_ROUNDING: f64 = 1e-11;
 
 /// One triangle as the search sees it: all it needs in one place.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +70,11 @@ pub struct DualGraph {
     record_of: Vec<u32>,
     /// Work space of finished searches, taken up again by the next.
     pool: Mutex<Vec<Scratch>>,
+    landmarks: OnceLock<Option<Landmarks>>,
+    /// Pops of all searches so far.
+    total_pops: AtomicU64,
+    /// Set by the one thread that chooses landmarks; others search without meanwhile.
+    is_choosing: AtomicBool,
 }
 
 /// A strip of triangles between two picks.
@@ -113,7 +130,14 @@ impl DualGraph {
                 triangle,
             })
             .collect();
-        Self { records, record_of, pool: Mutex::new(Vec::new()) }
+        Self {
+            records,
+            record_of,
+            pool: Mutex::new(Vec::new()),
+            landmarks: OnceLock::new(),
+            total_pops: AtomicU64::new(0),
+            is_choosing: AtomicBool::new(false),
+        }
     }
 
     /// The barycentre of a triangle.
@@ -130,8 +154,9 @@ impl DualGraph {
 
     /// The cheapest strip from one end to the other, `None` when they are not connected.
     ///
-    /// A* with the straight distance, which no path undercuts; equal in cost to Dijkstra's. Ties go to the lower place
-    /// on the Morton curve, so the answer depends on the mesh alone.
+    /// A* with the straight distance, which no path undercuts; equal in cost to Dijkstra's. Of strips that cost the same to
+    /// the bit, the one whose last triangles come first on the Morton curve, so the answer depends on the mesh alone. A
+    /// large mesh that is asked often gets landmarks, after which searches take fewer pops and find the same.
     ///
     /// # Errors
     /// [`Error::Interrupted`] when the observer says so.
@@ -144,11 +169,52 @@ impl DualGraph {
         to: &SearchEnd,
         observer: &mut dyn Observer,
     ) -> Result<Option<FoundStrip>, Error> {
+        let is_due = self.records.len() >= LANDMARK_TRIANGLES
+            && self.total_pops.load(Ordering::Relaxed) >= POPS_BEFORE_LANDMARKS * self.records.len() as u64;
+        if let (true, Some(&near)) = (is_due, from.triangles.first()) {
+            self.choose_landmarks(near, observer)?;
+        }
         let mut scratch = self.take_scratch();
         let result = self.search(from, to, &mut scratch, observer);
         if let Ok(mut pool) = self.pool.lock() {
             pool.push(scratch);
         }
+        if let Ok(Some(found)) = &result {
+            self.total_pops.fetch_add(found.pops, Ordering::Relaxed);
+        }
+        result
+    }
+
+    /// Chooses landmarks in the part of the mesh that holds `near`, unless they are there or another thread is at it.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] when the observer says so.
+    pub fn choose_landmarks(&self, near: TriangleId, observer: &mut dyn Observer) -> Result<(), Error> {
+        if self.landmarks.get().is_some() || self.is_choosing.swap(true, Ordering::Acquire) {
+            return Ok(());
+        }
+        let neighbours = |id: u32, visit: &mut dyn FnMut(u32, f64)| {
+            let record = &self.records[id as usize];
+            for next in record.neighbours.into_iter().filter(|&next| next != NONE) {
+                visit(next, record.barycentre.distance(self.records[next as usize].barycentre));
+            }
+        };
+        let mut pops = 0u64;
+        let pause = || {
+            pops += 1;
+            let is_time = pops % POPS_PER_OBSERVATION == 0;
+            if is_time && observer.step(Step::Search) == ControlFlow::Break(()) {
+                Err(Error::Interrupted)
+            } else {
+                Ok(())
+            }
+        };
+        let chosen = Landmarks::choose(self.records.len(), self.record_of[near.index()], neighbours, pause);
+        let result = chosen.map(|landmarks| {
+            // No other thread got here, so this sets.
+            let _ = self.landmarks.set(landmarks);
+        });
+        self.is_choosing.store(false, Ordering::Release);
         result
     }
 
@@ -176,16 +242,28 @@ impl DualGraph {
         let Scratch { visits, queue, stamp } = scratch;
         let (open, closed) = (*stamp, *stamp + 1);
         let goals: Vec<u32> = to.triangles.iter().map(|t| self.record_of[t.index()]).collect();
-        let rest = |record: &Record| record.barycentre.distance(to.anchor);
+        let straight = |id: u32| self.records[id as usize].barycentre.distance(to.anchor);
+        let landmarks = self.landmarks.get().and_then(Option::as_ref);
+        let aim: Option<(&Landmarks, Aim)> =
+            landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
+        let rest = |id: u32| match &aim {
+            Some((landmarks, aim)) => straight(id).max(landmarks.bound(id, aim)),
+            None => straight(id),
+        };
         for source in &from.triangles {
             let id = self.record_of[source.index()];
-            let record = &self.records[id as usize];
-            let cost = record.barycentre.distance(from.anchor);
+            let cost = self.records[id as usize].barycentre.distance(from.anchor);
             visits[id as usize] = Visit { cost, via: NONE, stamp: open };
-            queue.push(Reverse(((cost + rest(record)).to_bits(), id)));
+            queue.push(Reverse(((cost + rest(id)).to_bits(), id)));
         }
+        let mut best: Option<(f64, u32)> = None;
         let mut pops = 0u64;
         while let Some(Reverse((estimate, id))) = queue.pop() {
+            // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such
+            // strips does not hang on the order of the search.
+            if best.is_some_and(|(cost, _)| f64::from_bits(estimate) > cost * (1.0 + COST_ROUNDING)) {
+                break;
+            }
             let visit = &mut visits[id as usize];
             if visit.stamp == closed {
                 continue;
@@ -197,8 +275,8 @@ impl DualGraph {
                 return Err(Error::Interrupted);
             }
             if goals.contains(&id) {
-                let (first, word) = self.trace(visits, id);
-                return Ok(Some(FoundStrip { first, word, cost: f64::from_bits(estimate), pops }));
+                let candidate = (cost + straight(id), id);
+                best = Some(best.map_or(candidate, |best| if candidate < best { candidate } else { best }));
             }
             let record = self.records[id as usize];
             for (side, &next) in record.neighbours.iter().enumerate() {
@@ -208,16 +286,21 @@ impl DualGraph {
                 let neighbour = &self.records[next as usize];
                 let new_cost = cost + record.barycentre.distance(neighbour.barycentre);
                 let visit = &mut visits[next as usize];
-                // A closed record can still improve by rounding, as the straight distance is consistent only in
-                // exact arithmetic; then it is opened again.
+                // A closed record can still improve by rounding, as the bounds are consistent only in exact arithmetic;
+                // then it is opened again.
                 let is_known = visit.stamp == open || visit.stamp == closed;
                 if !is_known || new_cost < visit.cost {
                     *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
-                    queue.push(Reverse(((new_cost + rest(neighbour)).to_bits(), next)));
+                    queue.push(Reverse(((new_cost + rest(next)).to_bits(), next)));
+                } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
+                    visit.via = visit.via.min(3 * id + side as u32);
                 }
             }
         }
-        Ok(None)
+        Ok(best.map(|(cost, goal)| {
+            let (first, word) = self.trace(visits, goal);
+            FoundStrip { first, word, cost, pops }
+        }))
     }
 
     fn trace(&self, visits: &[Visit], goal: u32) -> (TriangleId, Vec<HalfedgeId>) {

@@ -4,15 +4,16 @@ mod support;
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
+use std::ops::ControlFlow;
 
 use glam::DVec3;
 use smooth_polylines_core::ids::TriangleId;
 use smooth_polylines_core::search::SearchEnd;
 use smooth_polylines_core::strip::triangles_of;
-use smooth_polylines_core::{Filter, NoObserver, Options, SurfaceMesh};
+use smooth_polylines_core::{Error, Filter, NoObserver, Observer, Options, Pick, Polyline, Report, Step, SurfaceMesh};
 use support::random::Random;
 use support::shapes::{self, Shape};
-use support::{closed, faces, files, line};
+use support::{at, closed, faces, files, line, try_line};
 
 /// The dual graph from the triangles alone: neighbours across edges of exactly two triangles, and barycentres.
 struct Dual {
@@ -148,6 +149,93 @@ fn a_search_visits_no_more_than_the_ellipse_that_its_cost_allows() {
         let allowed = (0..costs.len()).filter(|&t| costs[t] + rest(t) <= found.cost * (1.0 + 1e-12)).count();
         assert!(found.pops as usize <= allowed, "{} pops, {allowed} allowed", found.pops);
     }
+}
+
+/// The line of step B and its pops; the report is left out, as its pops are what landmarks change.
+fn strip_line(mesh: &SurfaceMesh, picks: &[Pick]) -> (Polyline, u64) {
+    let found = line(mesh, picks, &Options { filter: Filter::None, ..Options::default() });
+    let pops = found.report.pops;
+    (Polyline { report: Report::default(), ..found }, pops)
+}
+
+/// Lines with and without landmarks, between faces, points on edges and vertices; pops without and with.
+fn compare_landmarks(name: &str, shape: &Shape, pairs: usize) -> [u64; 2] {
+    let (plain, marked) = (shape.mesh(), shape.mesh());
+    marked.dual_graph().choose_landmarks(TriangleId(0), &mut NoObserver).expect("nobody interrupts");
+    let mut random = Random::new(15);
+    let kinds = [[1.0 / 3.0; 3], [0.0, 0.25, 0.75], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0]];
+    let mut pops = [0; 2];
+    for _ in 0..pairs {
+        let picks = [0; 2].map(|_| at(random.below(shape.triangles.len()), kinds[random.below(kinds.len())]));
+        if try_line(&plain, &picks, &Options { filter: Filter::None, ..Options::default() }).is_ok() {
+            let [(line, few), (same, fewer)] = [&plain, &marked].map(|mesh| strip_line(mesh, &picks));
+            assert!(line == same, "{name}: {picks:?}");
+            pops = [pops[0] + few, pops[1] + fewer];
+        }
+    }
+    pops
+}
+
+#[test]
+fn landmarks_change_no_bit_of_a_strip() {
+    let mut random = Random::new(5);
+    // Regular surfaces have the most strips of one cost.
+    for (name, shape) in [
+        ("plane", shapes::grid(20)),
+        ("irregular plane", shapes::irregular_grid(20, 1)),
+        ("hills", shapes::hills(20, 1).relabelled(&mut random).0),
+        ("ball", shapes::icosphere(3)),
+        ("torus", shapes::torus(1.0, 0.4, 30, 14)),
+        ("Moebius strip", shapes::moebius(30, 5).flipped(&mut random)),
+        ("book with a wall", shapes::book(3, 5)),
+    ] {
+        compare_landmarks(name, &shape, 200);
+    }
+    for name in ["cow.off", "truck_nm.obj", "openscad_crash.obj", "thingi_79741.off"] {
+        if let Some(shape) = files::shared_mesh(name) {
+            compare_landmarks(name, &shape, 60);
+        }
+    }
+}
+
+#[test]
+fn landmarks_spare_most_of_the_pops_on_a_bulging_surface() {
+    let [without, with] = compare_landmarks("ball", &shapes::icosphere(5), 60);
+    // Measured: 0.21.
+    assert!(3 * with < without, "{without} pops without landmarks, {with} with them");
+}
+
+#[test]
+fn a_large_mesh_that_is_asked_often_chooses_landmarks_by_itself() {
+    let shape = shapes::torus(1.0, 0.6, 200, 110);
+    let (mesh, count) = (shape.mesh(), shape.triangles.len());
+    let picks = faces(&[5, count / 2 + 31]);
+    let (first, pops) = strip_line(&mesh, &picks);
+    for _ in 0..=32 * count as u64 / pops {
+        assert_eq!(strip_line(&mesh, &picks).0, first);
+    }
+    let (last, fewer) = strip_line(&mesh, &picks);
+    assert_eq!(last, first);
+    assert!(2 * fewer < pops, "{pops} pops at first, {fewer} after many searches");
+}
+
+#[test]
+fn choosing_landmarks_can_be_interrupted_and_taken_up_again() {
+    struct Impatient;
+    impl Observer for Impatient {
+        fn step(&mut self, _: Step) -> ControlFlow<()> {
+            ControlFlow::Break(())
+        }
+    }
+    let (one, other) = (shapes::icosphere(5).mesh(), shapes::icosphere(5).mesh());
+    let interrupted = one.dual_graph().choose_landmarks(TriangleId(0), &mut Impatient);
+    assert_eq!(interrupted, Err(Error::Interrupted));
+    let picks = faces(&[3, 15_000]);
+    let (line, pops) = strip_line(&one, &picks);
+    assert_eq!((&line, pops), (&strip_line(&other, &picks).0, strip_line(&other, &picks).1), "as if never begun");
+    one.dual_graph().choose_landmarks(TriangleId(0), &mut NoObserver).expect("nobody interrupts");
+    let (same, fewer) = strip_line(&one, &picks);
+    assert!(same == line && fewer < pops);
 }
 
 #[test]
