@@ -13,7 +13,7 @@ from native.invariants import same_line
 from native.made_meshes import make_grid, make_sphere
 from native.surfaces import open_surface
 
-FILTERS = ["none", "linear", "cubic", "geodesic"]
+FILTERS = ["none", "linear", "cubic", "geodesic", "fair"]
 
 
 def distances_to_triangles(points, corners):

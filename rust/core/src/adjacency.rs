@@ -21,57 +21,59 @@ pub enum VertexKind {
     Pinched,
 }
 
-/// Numbers of elements that are not plain inner ones.
+/// Numbers of edges.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct AdjacencyCounts {
+pub struct EdgeCounts {
     /// Edges, each counted once.
     pub edges: usize,
     /// Edges of one triangle.
     pub boundary_edges: usize,
     /// Edges of three or more triangles.
     pub wall_edges: usize,
+}
+
+/// Numbers of vertices that are not plain ones.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct VertexCounts {
     /// See [`VertexKind::Pinched`].
-    pub pinched_vertices: usize,
+    pub pinched: usize,
     /// See [`VertexKind::Unreferenced`].
-    pub unreferenced_vertices: usize,
+    pub unreferenced: usize,
+}
+
+/// Where to begin the walk round a vertex, and how many corners it has to find.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spoke {
+    /// A half-edge that touches the vertex; any, where there is no corner.
+    halfedge: u32,
+    corners: u32,
 }
 
 /// Twins and fans of a triangle mesh.
 #[derive(Debug)]
 pub struct Adjacency {
     twins: Vec<u32>,
-    kinds: Vec<VertexKind>,
-    counts: AdjacencyCounts,
+    spokes: Vec<Spoke>,
+    edge_counts: EdgeCounts,
 }
 
 impl Adjacency {
-    /// Finds twins by counting sort over the lower end vertex, then walks the fan of every vertex once.
+    /// Finds twins by counting sort over the lower end vertex.
     ///
     /// `triangles` must hold indices below `vertex_count`, three different ones a row.
     /// Cost: O(triangles), plus sorting within vertices of high valence.
     pub fn new(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
-        let (twins, mut counts) = pair_halfedges(triangles, vertex_count);
-        let mut adjacency = Self { twins, kinds: vec![VertexKind::Unreferenced; vertex_count], counts };
-        // For each vertex one half-edge that touches it, to begin the walk round it; needed here alone.
-        let mut spokes = vec![HalfedgeId(0); vertex_count];
-        let mut corner_counts = vec![0u32; vertex_count];
-        for (f, corners) in triangles.iter().enumerate() {
-            for (c, &v) in corners.iter().enumerate() {
-                corner_counts[v as usize] += 1;
-                spokes[v as usize] = HalfedgeId((3 * f + c) as u32);
+        let mut spokes = vec![Spoke::default(); vertex_count];
+        let mut ends = vec![0u32; vertex_count];
+        for (f, &[a, b, c]) in triangles.iter().enumerate() {
+            for (side, v, low) in [(0, a, a.min(b)), (1, b, b.min(c)), (2, c, c.min(a))] {
+                let spoke = &mut spokes[v as usize];
+                *spoke = Spoke { halfedge: (3 * f + side) as u32, corners: spoke.corners + 1 };
+                ends[low as usize] += 1;
             }
         }
-        for (v, &corner_count) in corner_counts.iter().enumerate() {
-            let kind = adjacency.classify(triangles, VertexId(v as u32), spokes[v], corner_count);
-            adjacency.kinds[v] = kind;
-            match kind {
-                VertexKind::Unreferenced => counts.unreferenced_vertices += 1,
-                VertexKind::Pinched => counts.pinched_vertices += 1,
-                VertexKind::Inner | VertexKind::Boundary => {}
-            }
-        }
-        adjacency.counts = counts;
-        adjacency
+        let (twins, edge_counts) = pair_halfedges(triangles, ends);
+        Self { twins, spokes, edge_counts }
     }
 
     /// The same edge seen from the triangle on its other side; `None` at boundaries and walls.
@@ -81,15 +83,47 @@ impl Adjacency {
         (twin != NO_TWIN).then_some(HalfedgeId(twin))
     }
 
-    /// How the triangles at a vertex lie.
-    #[inline]
-    pub fn kind(&self, vertex: VertexId) -> VertexKind {
-        self.kinds[vertex.index()]
+    /// How the triangles at a vertex lie. `triangles` are those that the table was made of. Cost: O(valence).
+    pub fn kind(&self, triangles: &[[u32; 3]], vertex: VertexId) -> VertexKind {
+        let Spoke { halfedge, corners } = self.spokes[vertex.index()];
+        if corners == 0 {
+            return VertexKind::Unreferenced;
+        }
+        let first = HalfedgeId(halfedge);
+        let mut walked = 1;
+        let mut exit = first;
+        while let Some(twin) = self.twin(exit) {
+            exit = other_spoke(triangles, twin, vertex);
+            if exit == first {
+                return if walked == corners { VertexKind::Inner } else { VertexKind::Pinched };
+            }
+            walked += 1;
+        }
+        // The fan is open on one side: walk to its other end.
+        let mut exit = other_spoke(triangles, first, vertex);
+        while let Some(twin) = self.twin(exit) {
+            exit = other_spoke(triangles, twin, vertex);
+            walked += 1;
+        }
+        if walked == corners { VertexKind::Boundary } else { VertexKind::Pinched }
     }
 
-    /// Numbers of special elements.
-    pub fn counts(&self) -> AdjacencyCounts {
-        self.counts
+    /// Numbers of special edges.
+    pub fn edge_counts(&self) -> EdgeCounts {
+        self.edge_counts
+    }
+
+    /// Numbers of special vertices. Cost: O(triangles).
+    pub fn count_vertices(&self, triangles: &[[u32; 3]]) -> VertexCounts {
+        let mut counts = VertexCounts::default();
+        for v in 0..self.spokes.len() {
+            match self.kind(triangles, VertexId(v as u32)) {
+                VertexKind::Unreferenced => counts.unreferenced += 1,
+                VertexKind::Pinched => counts.pinched += 1,
+                VertexKind::Inner | VertexKind::Boundary => {}
+            }
+        }
+        counts
     }
 
     /// Parts of the mesh, where a part is what can be reached across crossable edges. Cost: O(triangles).
@@ -119,28 +153,6 @@ impl Adjacency {
         }
         parts
     }
-
-    fn classify(&self, triangles: &[[u32; 3]], vertex: VertexId, first: HalfedgeId, corner_count: u32) -> VertexKind {
-        if corner_count == 0 {
-            return VertexKind::Unreferenced;
-        }
-        let mut walked = 1;
-        let mut exit = first;
-        while let Some(twin) = self.twin(exit) {
-            exit = other_spoke(triangles, twin, vertex);
-            if exit == first {
-                return if walked == corner_count { VertexKind::Inner } else { VertexKind::Pinched };
-            }
-            walked += 1;
-        }
-        // The fan is open on one side: walk to its other end.
-        let mut exit = other_spoke(triangles, first, vertex);
-        while let Some(twin) = self.twin(exit) {
-            exit = other_spoke(triangles, twin, vertex);
-            walked += 1;
-        }
-        if walked == corner_count { VertexKind::Boundary } else { VertexKind::Pinched }
-    }
 }
 
 /// The other side of `halfedge`'s triangle that touches `vertex`, which must be an end of `halfedge`.
@@ -161,37 +173,29 @@ pub fn other_spoke(triangles: &[[u32; 3]], halfedge: HalfedgeId, vertex: VertexI
     }
 }
 
-/// The twin table, with edges, boundaries and walls counted.
-fn pair_halfedges(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, AdjacencyCounts) {
-    let ends = |corners: &[u32; 3], side: usize| {
-        let (a, b) = (corners[side], corners[(side + 1) % 3]);
-        if a < b { (a, b) } else { (b, a) }
-    };
-    let mut starts = vec![0u32; vertex_count + 1];
-    for corners in triangles {
-        for side in 0..3 {
-            starts[ends(corners, side).0 as usize + 1] += 1;
-        }
-    }
-    for v in 0..vertex_count {
-        starts[v + 1] += starts[v];
+/// The twin table, with edges, boundaries and walls counted. `ends[v]`: half-edges whose lower end is `v`.
+fn pair_halfedges(triangles: &[[u32; 3]], mut ends: Vec<u32>) -> (Vec<u32>, EdgeCounts) {
+    let mut start = 0;
+    for end in &mut ends {
+        start += std::mem::replace(end, start);
     }
     // Half-edges by lower end; each entry is (higher end, half-edge) in one word, so that sorting it orders by both.
     let mut entries = vec![0u64; 3 * triangles.len()];
-    let mut cursor = starts.clone();
-    for (f, corners) in triangles.iter().enumerate() {
-        for side in 0..3 {
-            let (low, high) = ends(corners, side);
-            let slot = &mut cursor[low as usize];
-            entries[*slot as usize] = (u64::from(high) << 32) | (3 * f + side) as u64;
+    for (f, &[a, b, c]) in triangles.iter().enumerate() {
+        for (side, v, w) in [(0, a, b), (1, b, c), (2, c, a)] {
+            // From the start of the vertex's entries to their end.
+            let slot = &mut ends[v.min(w) as usize];
+            entries[*slot as usize] = (u64::from(v.max(w)) << 32) | (3 * f + side) as u64;
             *slot += 1;
         }
     }
     let mut twins = vec![NO_TWIN; 3 * triangles.len()];
-    let mut counts = AdjacencyCounts::default();
-    for v in 0..vertex_count {
-        let bucket = &mut entries[starts[v] as usize..starts[v + 1] as usize];
-        bucket.sort_unstable();
+    let mut counts = EdgeCounts::default();
+    let mut start = 0;
+    for &end in &ends {
+        let bucket = &mut entries[start..end as usize];
+        start = end as usize;
+        sort_few(bucket);
         let mut rest: &[u64] = bucket;
         while let Some(&first) = rest.first() {
             let same = rest.iter().take_while(|&&e| e >> 32 == first >> 32).count();
@@ -211,6 +215,25 @@ fn pair_halfedges(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<u32>, Adj
     (twins, counts)
 }
 
+/// Sorts what nearly always are a handful of entries: by insertion, without a call.
+#[inline]
+fn sort_few(entries: &mut [u64]) {
+    /// More than this are left to the general sort; insertion takes the square of the number.
+    const FEW: usize = 24;
+    if entries.len() > FEW {
+        return entries.sort_unstable();
+    }
+    for i in 1..entries.len() {
+        let entry = entries[i];
+        let mut place = i;
+        while place > 0 && entries[place - 1] > entry {
+            entries[place] = entries[place - 1];
+            place -= 1;
+        }
+        entries[place] = entry;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,22 +241,25 @@ mod tests {
     #[test]
     fn two_triangles_of_opposite_winding_are_twins_across_their_edge() {
         for second in [[1, 3, 2], [1, 2, 3]] {
-            let adjacency = Adjacency::new(&[[0, 1, 2], second], 4);
+            let triangles = [[0, 1, 2], second];
+            let adjacency = Adjacency::new(&triangles, 4);
             let twin = adjacency.twin(HalfedgeId(1)).map(HalfedgeId::triangle);
             assert_eq!(twin, Some(TriangleId(1)), "winding {second:?}");
-            assert_eq!(adjacency.counts().boundary_edges, 4);
-            assert_eq!(adjacency.kind(VertexId(1)), VertexKind::Boundary);
+            assert_eq!(adjacency.edge_counts().boundary_edges, 4);
+            assert_eq!(adjacency.kind(&triangles, VertexId(1)), VertexKind::Boundary);
         }
     }
 
     #[test]
     fn an_edge_of_three_triangles_is_a_wall_and_pinches_its_ends() {
-        let adjacency = Adjacency::new(&[[0, 1, 2], [0, 1, 3], [0, 1, 4]], 6);
+        let triangles = [[0, 1, 2], [0, 1, 3], [0, 1, 4]];
+        let adjacency = Adjacency::new(&triangles, 6);
         assert_eq!(adjacency.twin(HalfedgeId(0)), None);
-        let counts = adjacency.counts();
+        let counts = adjacency.edge_counts();
         assert_eq!((counts.wall_edges, counts.boundary_edges, counts.edges), (1, 6, 7));
-        assert_eq!(adjacency.kind(VertexId(0)), VertexKind::Pinched);
-        assert_eq!(adjacency.kind(VertexId(5)), VertexKind::Unreferenced);
+        assert_eq!(adjacency.kind(&triangles, VertexId(0)), VertexKind::Pinched);
+        assert_eq!(adjacency.kind(&triangles, VertexId(5)), VertexKind::Unreferenced);
+        assert_eq!(adjacency.count_vertices(&triangles), VertexCounts { pinched: 2, unreferenced: 1 });
         assert_eq!(adjacency.count_parts(), 3);
     }
 
@@ -241,12 +267,12 @@ mod tests {
     fn a_tetrahedron_has_inner_vertices_only_and_two_on_one_vertex_pinch_it() {
         let one = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
         let adjacency = Adjacency::new(&one, 4);
-        assert!((0..4).all(|v| adjacency.kind(VertexId(v)) == VertexKind::Inner));
+        assert!((0..4).all(|v| adjacency.kind(&one, VertexId(v)) == VertexKind::Inner));
         let second = one.map(|t| t.map(|v| if v == 0 { 0 } else { v + 3 }));
         let both: Vec<_> = one.into_iter().chain(second).collect();
         let adjacency = Adjacency::new(&both, 7);
-        assert_eq!(adjacency.kind(VertexId(0)), VertexKind::Pinched);
-        assert_eq!(adjacency.counts().pinched_vertices, 1);
+        assert_eq!(adjacency.kind(&both, VertexId(0)), VertexKind::Pinched);
+        assert_eq!(adjacency.count_vertices(&both).pinched, 1);
         assert_eq!(adjacency.count_parts(), 2);
     }
 }

@@ -21,6 +21,8 @@ pub mod join;
 pub mod landmarks;
 pub mod loops;
 pub mod mesh;
+pub mod morton;
+pub mod network;
 pub mod options;
 pub mod polygons;
 pub mod polyline;

@@ -10,6 +10,7 @@ use crate::adjacency::{Adjacency, VertexKind, other_spoke};
 use crate::closest_point::TriangleTree;
 use crate::error::{MeshError, OptionError};
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
+use crate::morton::CurveOrder;
 use crate::polygons::{Polygons, middle_triangle};
 use crate::search::DualGraph;
 use crate::surface_point::{Pick, SurfacePoint};
@@ -75,18 +76,21 @@ impl SurfaceMesh {
     ) -> Result<Self, MeshError> {
         check_sizes(&positions, &triangles, triangle_faces.as_deref())?;
         check_triangles(&positions, &triangles)?;
-        let adjacency = Adjacency::new(&triangles, positions.len());
-        let dual_graph = DualGraph::new(&positions, &triangles, &adjacency);
-        let window_graph = WindowGraph::new(&positions, &triangles);
+        // The three do not need each other; two threads have about the same to do.
+        let (adjacency, (placed, window_graph)) = rayon::join(
+            || Adjacency::new(&triangles, positions.len()),
+            || rayon::join(|| CurveOrder::new(&positions, &triangles), || WindowGraph::new(&positions, &triangles)),
+        );
+        let dual_graph = DualGraph::new(&placed, &adjacency);
         let polygons = triangle_faces.map(Polygons::new);
         let (report, triangle_tree) = (OnceLock::new(), OnceLock::new());
         Ok(Self { positions, triangles, adjacency, polygons, dual_graph, window_graph, report, triangle_tree })
     }
 
-    /// What was found on the mesh. The first call counts parts, at O(triangles).
+    /// What was found on the mesh. The first call counts parts and looks round every vertex, at O(triangles).
     pub fn report(&self) -> MeshReport {
         *self.report.get_or_init(|| {
-            let counts = self.adjacency.counts();
+            let (edges, vertices) = (self.adjacency.edge_counts(), self.adjacency.count_vertices(&self.triangles));
             let is_flat = |t: &&[u32; 3]| {
                 let [a, b, c] = t.map(|v| self.positions[v as usize]);
                 (b - a).cross(c - a).length_squared() == 0.0
@@ -95,12 +99,12 @@ impl SurfaceMesh {
                 vertices: self.positions.len(),
                 triangles: self.triangles.len(),
                 faces: self.polygons.as_ref().map_or(self.triangles.len(), Polygons::count),
-                edges: counts.edges,
-                boundary_edges: counts.boundary_edges,
-                wall_edges: counts.wall_edges,
-                pinched_vertices: counts.pinched_vertices,
+                edges: edges.edges,
+                boundary_edges: edges.boundary_edges,
+                wall_edges: edges.wall_edges,
+                pinched_vertices: vertices.pinched,
                 parts: self.adjacency.count_parts(),
-                unreferenced_vertices: counts.unreferenced_vertices,
+                unreferenced_vertices: vertices.unreferenced,
                 zero_area_triangles: self.triangles.iter().filter(is_flat).count(),
             }
         })
@@ -217,7 +221,7 @@ impl SurfaceMesh {
     /// Whether a line may be passed from one side of `vertex` to the other.
     #[inline]
     pub fn is_passable(&self, vertex: VertexId) -> bool {
-        self.adjacency.kind(vertex) == VertexKind::Inner
+        self.adjacency.kind(&self.triangles, vertex) == VertexKind::Inner
     }
 
     /// Where a surface point lies.
@@ -293,22 +297,35 @@ fn check_sizes(positions: &[DVec3], triangles: &[[u32; 3]], faces: Option<&[u32]
 }
 
 fn check_triangles(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    // Almost always all positions are sound, and then their triangles need not be asked for them.
+    let is_sound = |p: &DVec3| p.abs().max_element() <= MAX_COORDINATE && p.is_finite();
+    let are_sound = positions.iter().all(is_sound);
+    let count = positions.len();
     for (triangle, &corners) in triangles.iter().enumerate() {
-        for v in corners {
-            let Some(p) = positions.get(v as usize) else {
-                return Err(MeshError::IndexOutOfRange { triangle, index: v.into(), vertices: positions.len() });
-            };
-            if !p.is_finite() {
-                return Err(MeshError::NotFinite { vertex: v, position: p.to_array(), triangle });
-            }
-            if p.abs().max_element() > MAX_COORDINATE {
-                return Err(MeshError::TooFar { vertex: v, position: p.to_array() });
-            }
-        }
         let [a, b, c] = corners;
-        if a == b || b == c || c == a {
-            return Err(MeshError::RepeatedVertex { triangle, corners });
+        let is_in_range = corners.iter().all(|&v| (v as usize) < count);
+        if !is_in_range || a == b || b == c || c == a || !are_sound {
+            check_triangle(positions, triangle, corners)?;
         }
+    }
+    Ok(())
+}
+
+fn check_triangle(positions: &[DVec3], triangle: usize, corners: [u32; 3]) -> Result<(), MeshError> {
+    for v in corners {
+        let Some(p) = positions.get(v as usize) else {
+            return Err(MeshError::IndexOutOfRange { triangle, index: v.into(), vertices: positions.len() });
+        };
+        if !p.is_finite() {
+            return Err(MeshError::NotFinite { vertex: v, position: p.to_array(), triangle });
+        }
+        if p.abs().max_element() > MAX_COORDINATE {
+            return Err(MeshError::TooFar { vertex: v, position: p.to_array() });
+        }
+    }
+    let [a, b, c] = corners;
+    if a == b || b == c || c == a {
+        return Err(MeshError::RepeatedVertex { triangle, corners });
     }
     Ok(())
 }

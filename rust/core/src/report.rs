@@ -112,6 +112,9 @@ pub enum Step {
 pub trait Observer {
     /// `step` is about to begin, or still goes on.
     fn step(&mut self, step: Step) -> ControlFlow<()>;
+
+    /// One line of a network has been made or refused.
+    fn finish(&mut self) {}
 }
 
 /// Watches nothing and never stops.

@@ -17,6 +17,7 @@ use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::landmarks::{Aim, Landmarks};
 use crate::mesh::SurfaceMesh;
+use crate::morton::CurveOrder;
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
 
@@ -109,27 +110,22 @@ pub struct SearchEnd {
 }
 
 impl DualGraph {
-    /// Builds the records. Positions of all corners must be finite. Cost: O(triangles).
-    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], adjacency: &Adjacency) -> Self {
-        let barycentre = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
-            (a + b + c) / 3.0
-        };
-        let order = morton_order(triangles, barycentre);
-        let mut record_of = vec![0; triangles.len()];
+    /// Builds the records. Cost: O(triangles), on as many threads as there are.
+    pub fn new(placed: &CurveOrder, adjacency: &Adjacency) -> Self {
+        let CurveOrder { barycentres, order } = placed;
+        let mut record_of = vec![0; order.len()];
         for (record, &triangle) in order.iter().enumerate() {
             record_of[triangle as usize] = record as u32;
         }
-        let records = order
-            .iter()
-            .map(|&triangle| Record {
-                barycentre: barycentre(&triangles[triangle as usize]),
-                neighbours: TriangleId(triangle)
-                    .halfedges()
-                    .map(|h| adjacency.twin(h).map_or(NONE, |t| record_of[t.triangle().index()])),
-                triangle,
-            })
-            .collect();
+        // In the order of the triangles: what is read lies together then, and only the record that is written does not.
+        let unset = Record { barycentre: DVec3::ZERO, neighbours: [NONE; 3], triangle: NONE };
+        let mut records = vec![unset; order.len()];
+        for (triangle, (&record, &barycentre)) in (0..).zip(record_of.iter().zip(barycentres)) {
+            let neighbours = TriangleId(triangle)
+                .halfedges()
+                .map(|h| adjacency.twin(h).map_or(NONE, |t| record_of[t.triangle().index()]));
+            records[record as usize] = Record { barycentre, neighbours, triangle };
+        }
         Self {
             records,
             record_of,
@@ -315,50 +311,5 @@ impl DualGraph {
             id = via / 3;
             word.push(TriangleId(self.records[id as usize].triangle).halfedge(via % 3));
         }
-    }
-}
-
-/// Triangles in the order of their barycentres along a Morton (Z-order) curve, ties by index.
-fn morton_order(triangles: &[[u32; 3]], barycentre: impl Fn(&[u32; 3]) -> DVec3) -> Vec<u32> {
-    /// Cells a side, as bits: 2^10 cells resolve a million triangles, and 30 bits leave room for the index in a word.
-    const BITS: u32 = 10;
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for t in triangles {
-        let b = barycentre(t);
-        (low, high) = (low.min(b), high.max(b));
-    }
-    let size = (high - low).max_element();
-    let scale = if size > 0.0 { f64::from((1u32 << BITS) - 1) / size } else { 0.0 };
-    let mut keys: Vec<u64> = triangles
-        .iter()
-        .enumerate()
-        .map(|(t, corners)| {
-            let cell = (barycentre(corners) - low) * scale;
-            let code = spread(cell.x as u32) | spread(cell.y as u32) << 1 | spread(cell.z as u32) << 2;
-            u64::from(code) << 32 | t as u64
-        })
-        .collect();
-    keys.sort_unstable();
-    keys.into_iter().map(|key| key as u32).collect()
-}
-
-/// The low ten bits of `x`, two zeroes after each.
-fn spread(x: u32) -> u32 {
-    let x = (x | x << 16) & 0x0300_00ff;
-    let x = (x | x << 8) & 0x0300_f00f;
-    let x = (x | x << 4) & 0x030c_30c3;
-    (x | x << 2) & 0x0924_9249
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spread_leaves_two_zeroes_after_each_bit() {
-        for bit in 0..10 {
-            assert_eq!(spread(1 << bit), 1 << (3 * bit));
-        }
-        assert_eq!(spread(0x3ff), 0o1_111_111_111);
     }
 }

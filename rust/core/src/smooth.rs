@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::error::{Error, OptionError, Result};
+use crate::error::{Error, Result};
 use crate::filter::cubic::Cubic;
 use crate::filter::linear::Linear;
 use crate::join::{Input, join_picks};
@@ -92,41 +92,6 @@ pub fn smooth_input(
         return Err(Error::Collapsed { iterations: line.report.iterations });
     }
     Ok(line)
-}
-
-/// Several lines on one set of picks: one result for each of `connections`, which are pairs of positions in `picks`.
-///
-/// # Errors
-/// Options out of range, or a connection that names no pick; what befalls a single line is in its own result.
-pub fn network(
-    mesh: &SurfaceMesh,
-    picks: &[Pick],
-    connections: &[[i128; 2]],
-    options: &Options,
-    observer: &mut dyn Observer,
-) -> Result<Vec<Result<Polyline>>> {
-    options.check()?;
-    if options.closed {
-        return Err(
-            OptionError::new("closed", "the lines of a network are open; connect its picks in a ring instead").into()
-        );
-    }
-    for (row, connection) in connections.iter().enumerate() {
-        if let Some(index) = connection.iter().find(|&&i| !(0..picks.len() as i128).contains(&i)) {
-            let message = format!("row {row} names pick {index}, but there are {} picks (counted from 0)", picks.len());
-            return Err(OptionError::new("connections", message).into());
-        }
-    }
-    let mut lines = Vec::with_capacity(connections.len());
-    for connection in connections {
-        let ends = connection.map(|i| picks[i as usize]);
-        let line = polyline(mesh, &ends, options, observer).map_err(|e| e.with_picks(connection.map(|i| i as usize)));
-        if line == Err(Error::Interrupted) {
-            return Err(Error::Interrupted);
-        }
-        lines.push(line);
-    }
-    Ok(lines)
 }
 
 fn assemble(mesh: &SurfaceMesh, route: Route, report: Report) -> Polyline {

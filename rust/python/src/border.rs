@@ -4,12 +4,15 @@
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use smooth_polylines_core::{Error, Observer, Step};
 
 use crate::errors;
+use crate::threads::pool;
 
 /// Longest time between two looks at Python's signals: Ctrl-C has to stop a run within 0.2 s.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
@@ -18,6 +21,43 @@ const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 pub fn run_detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     // Unwind safety: what a panic leaves half done is dropped with the closure; meshes and lines are immutable.
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| errors::internal_error(py, &*panic))
+}
+
+/// What `work` returns, computed on the threads of the pool while other Python threads run; a panic becomes InternalError.
+/// Signals are not looked at: for work of some milliseconds.
+pub fn run_on_threads<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let pool = pool(py)?;
+    run_detached(py, || pool.install(work))
+}
+
+/// As [`run_on_threads`], and this thread, which may be the one that Python's signals come to, waits and looks at them.
+/// When a handler raises, `watch` keeps the exception and the flag that `work` was given is set.
+pub fn run_watched<T: Send>(
+    py: Python<'_>,
+    watch: &mut Watch,
+    work: impl FnOnce(&AtomicBool) -> T + Send,
+) -> PyResult<T> {
+    let pool = pool(py)?;
+    let stop = AtomicBool::new(false);
+    let mut outcome = None;
+    py.detach(|| {
+        // Nothing is ever sent: the sender's end, also by a panic, is the message.
+        let (sender, is_done) = mpsc::channel::<()>();
+        pool.in_place_scope(|scope| {
+            let (outcome, stop) = (&mut outcome, &stop);
+            scope.spawn(move |_| {
+                *outcome = Some(catch_unwind(AssertUnwindSafe(|| work(stop))));
+                drop(sender);
+            });
+            while is_done.recv_timeout(SIGNAL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                if watch.look_at_signals() == ControlFlow::Break(()) {
+                    stop.store(true, Ordering::Relaxed);
+                    break;
+                }
+            }
+        });
+    });
+    outcome.expect("the scope waits for its task").map_err(|panic| errors::internal_error(py, &*panic))
 }
 
 /// What `work` returns, for calls too short to release the interpreter; a panic becomes InternalError.
@@ -40,20 +80,34 @@ pub struct Seconds {
     pub total: Duration,
 }
 
-/// Watches one call of the core: keeps time and asks Python for signals.
-pub struct Watch {
-    begun: Instant,
-    current: Option<(Step, Instant)>,
-    signals_seen: Instant,
-    seconds: Seconds,
-    raised: Option<PyErr>,
+impl Seconds {
+    /// Both, step by step.
+    pub fn plus(self, other: &Self) -> Self {
+        Self {
+            search: self.search + other.search,
+            relax: self.relax + other.relax,
+            vertex_pass: self.vertex_pass + other.vertex_pass,
+            assemble: self.assemble + other.assemble,
+            total: self.total + other.total,
+        }
+    }
 }
 
-impl Watch {
-    /// A watch that starts now.
-    pub fn start() -> Self {
-        let now = Instant::now();
-        Self { begun: now, current: None, signals_seen: now, seconds: Seconds::default(), raised: None }
+/// Keeps the time of each step.
+struct StepClock {
+    begun: Instant,
+    current: Option<(Step, Instant)>,
+    seconds: Seconds,
+}
+
+impl StepClock {
+    fn start() -> Self {
+        Self { begun: Instant::now(), current: None, seconds: Seconds::default() }
+    }
+
+    fn begin(&mut self, step: Step, now: Instant) {
+        self.close_step(now);
+        self.current = Some((step, now));
     }
 
     fn close_step(&mut self, now: Instant) {
@@ -68,12 +122,31 @@ impl Watch {
         }
     }
 
-    /// The times of a call that has ended.
-    pub fn stop(&mut self) -> Seconds {
+    fn stop(&mut self) -> Seconds {
         let now = Instant::now();
         self.close_step(now);
         self.seconds.total = now - self.begun;
         self.seconds
+    }
+}
+
+/// Watches one call of the core: keeps time and asks Python for signals.
+pub struct Watch {
+    clock: StepClock,
+    signals_seen: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Watch {
+    /// A watch that starts now.
+    pub fn start() -> Self {
+        let clock = StepClock::start();
+        Self { signals_seen: clock.begun, clock, raised: None }
+    }
+
+    /// The times of a call that has ended.
+    pub fn stop(&mut self) -> Seconds {
+        self.clock.stop()
     }
 
     /// The exception for `error`; what a signal handler raised has precedence over the core's `Interrupted`.
@@ -83,25 +156,58 @@ impl Watch {
             (error, _) => errors::from_core(py, error),
         }
     }
+
+    /// Lets Python's signal handlers run; a break when one raised.
+    fn look_at_signals(&mut self) -> ControlFlow<()> {
+        // None: the interpreter is shutting down, nobody waits for the line any more.
+        match Python::try_attach(|py| py.check_signals()) {
+            Some(Ok(())) => ControlFlow::Continue(()),
+            Some(Err(raised)) => {
+                self.raised = Some(raised);
+                ControlFlow::Break(())
+            }
+            None => ControlFlow::Break(()),
+        }
+    }
 }
 
 impl Observer for Watch {
     fn step(&mut self, step: Step) -> ControlFlow<()> {
         let now = Instant::now();
-        self.close_step(now);
-        self.current = Some((step, now));
+        self.clock.begin(step, now);
         if now - self.signals_seen >= SIGNAL_INTERVAL {
             self.signals_seen = now;
-            // None: the interpreter is shutting down, nobody waits for the line any more.
-            match Python::try_attach(|py| py.check_signals()) {
-                Some(Ok(())) => {}
-                Some(Err(raised)) => {
-                    self.raised = Some(raised);
-                    return ControlFlow::Break(());
-                }
-                None => return ControlFlow::Break(()),
-            }
+            return self.look_at_signals();
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// Watches one line among several that are made side by side: keeps its time, and stops when all shall.
+pub struct LineWatch<'a> {
+    clock: StepClock,
+    stop: &'a AtomicBool,
+}
+
+impl<'a> LineWatch<'a> {
+    /// A watch that starts now and breaks off once `stop` is set.
+    pub fn start(stop: &'a AtomicBool) -> Self {
+        Self { clock: StepClock::start(), stop }
+    }
+
+    /// The times of a line that has ended.
+    pub fn seconds(&self) -> Seconds {
+        self.clock.seconds
+    }
+}
+
+impl Observer for LineWatch<'_> {
+    fn step(&mut self, step: Step) -> ControlFlow<()> {
+        self.clock.begin(step, Instant::now());
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn finish(&mut self) {
+        self.clock.stop();
     }
 }

@@ -78,12 +78,11 @@ pub fn read_triangles(argument: &'static str, value: &Bound<'_, PyAny>, vertices
     let array = as_array(argument, value)?;
     check_shape(argument, &array, &[None, Some(3)], "(F, 3): a row of three vertex indices for each triangle")?;
     let py = value.py();
-    read_integers(argument, &array, |row, index| MeshError::IndexOutOfRange { triangle: row / 3, index, vertices }, {
+    read_integers(argument, &array, |triangle, index| MeshError::IndexOutOfRange { triangle, index, vertices }, {
         // Ids are 32 bits wide; a mesh of more vertices is refused by the core as too large, with its own message.
         u32::try_from(vertices).unwrap_or(u32::MAX)
     })
     .map_err(|failure| failure.raise(py))
-    .map(|flat| flat.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect())
 }
 
 /// An `(F,)` array of any integer type as face ids, one for each of the `triangles`.
@@ -95,6 +94,7 @@ pub fn read_triangle_faces(argument: &'static str, value: &Bound<'_, PyAny>, tri
         return Err(from_core(py, MeshError::FaceCount { found: array.len(), expected: triangles }.into()));
     }
     read_integers(argument, &array, |triangle, face| MeshError::FaceOutOfRange { triangle, face }, u32::MAX)
+        .map(Vec::<[u32; 1]>::into_flattened)
         .map_err(|failure| failure.raise(py))
 }
 
@@ -132,34 +132,38 @@ impl From<PyErr> for Failure {
     }
 }
 
-/// All values in row order; the first one outside `0..limit` becomes `refuse(place, value)`.
-fn read_integers(
+/// All rows of `N` values; the first value outside `0..limit` becomes `refuse(row, value)`.
+fn read_integers<const N: usize>(
     argument: &str,
     array: &Bound<'_, PyUntypedArray>,
     refuse: impl Fn(usize, i128) -> MeshError,
     limit: u32,
-) -> Result<Vec<u32>, Failure> {
-    fn convert<T: Element + Copy + TryInto<u32> + Into<i128>>(
+) -> Result<Vec<[u32; N]>, Failure> {
+    fn convert<const N: usize, T: Element + Copy + TryInto<u32> + Into<i128>>(
         array: &Bound<'_, PyUntypedArray>,
         refuse: impl Fn(usize, i128) -> MeshError,
         limit: u32,
-    ) -> Result<Vec<u32>, Failure> {
+    ) -> Result<Vec<[u32; N]>, Failure> {
         let array = normalise::<T>(array)?;
         let values = plain_slice(&array)?;
-        let mut ids = Vec::with_capacity(values.len());
-        for (place, &value) in values.iter().enumerate() {
-            match value.try_into() {
-                Ok(id) if id < limit => ids.push(id),
-                _ => return Err(Failure::Core(refuse(place, value.into()))),
+        let mut rows = Vec::with_capacity(values.len() / N);
+        for (row, values) in values.chunks_exact(N).enumerate() {
+            let mut ids = [0; N];
+            for (id, &value) in ids.iter_mut().zip(values) {
+                *id = match value.try_into() {
+                    Ok(id) if id < limit => id,
+                    _ => return Err(Failure::Core(refuse(row, value.into()))),
+                };
             }
+            rows.push(ids);
         }
-        Ok(ids)
+        Ok(rows)
     }
     match (array.dtype().kind(), array.dtype().itemsize()) {
-        (b'i', 1 | 2 | 4) | (b'u', 1 | 2) => convert::<i32>(array, refuse, limit),
-        (b'u', 4) => convert::<u32>(array, refuse, limit),
-        (b'i', 8) => convert::<i64>(array, refuse, limit),
-        (b'u', 8) => convert::<u64>(array, refuse, limit),
+        (b'i', 1 | 2 | 4) | (b'u', 1 | 2) => convert::<N, i32>(array, refuse, limit),
+        (b'u', 4) => convert::<N, u32>(array, refuse, limit),
+        (b'i', 8) => convert::<N, i64>(array, refuse, limit),
+        (b'u', 8) => convert::<N, u64>(array, refuse, limit),
         _ => Err(refuse_dtype(argument, array, "an integer type").into()),
     }
 }

@@ -13,6 +13,7 @@ mod frozen_arrays;
 mod input_arrays;
 mod line_options;
 mod mesh;
+mod mesh_lines;
 mod mesh_report;
 mod network;
 mod picks;
@@ -20,6 +21,7 @@ mod polyline;
 mod report;
 mod stroke_points;
 mod surface_point;
+mod threads;
 
 /// The compiled part of `smooth_polylines`; import that package instead.
 #[pymodule]

@@ -1,6 +1,7 @@
 //! `Network`: several lines over one set of picks, each with its own result or error.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -8,7 +9,7 @@ use pyo3::types::{PyDict, PyList};
 use pyo3::{PyTraverseError, PyVisit};
 use smooth_polylines_core::{Polyline, Result as CoreResult, SurfaceMesh};
 
-use crate::border::Seconds;
+use crate::border::{LineWatch, Seconds};
 use crate::errors::from_core;
 use crate::polyline::PyPolyline;
 use crate::report::seconds_dict;
@@ -25,18 +26,25 @@ pub struct PyNetwork {
     seconds: Seconds,
 }
 
+/// Each line with its own times.
+pub fn with_seconds(lines: Vec<(CoreResult<Polyline>, LineWatch<'_>)>) -> Vec<(CoreResult<Polyline>, Seconds)> {
+    lines.into_iter().map(|(line, watch)| (line, watch.seconds())).collect()
+}
+
 impl PyNetwork {
     /// Wraps what the core made of each connection.
     pub fn new(
         py: Python<'_>,
         mesh: &Arc<SurfaceMesh>,
-        results: Vec<CoreResult<Polyline>>,
-        seconds: Seconds,
+        results: Vec<(CoreResult<Polyline>, Seconds)>,
+        total: Duration,
     ) -> PyResult<Self> {
+        let mut seconds = results.iter().fold(Seconds::default(), |sum, (_, line)| sum.plus(line));
+        seconds.total = total;
         let lines = PyList::empty(py);
         let errors = PyList::empty(py);
         let mut made = 0;
-        for result in results {
+        for (result, seconds) in results {
             match result {
                 Ok(line) => {
                     lines.append(Py::new(py, PyPolyline::new(py, Arc::clone(mesh), line, seconds)?)?)?;
@@ -67,7 +75,9 @@ impl PyNetwork {
         self.errors.clone_ref(py)
     }
 
-    /// Wall time of the whole network by step: a dict as in `Report.seconds`.
+    /// Time of the whole network: a dict as in `Report.seconds`.
+    ///
+    /// `total` is the wall time of the call; the steps are summed over the lines, which are made side by side.
     #[getter]
     fn seconds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         seconds_dict(py, &self.seconds)

@@ -125,7 +125,7 @@ impl PyReport {
 
     /// Wall time of each step: a dict of floats with keys search, relax, vertex_pass, assemble and total.
     ///
-    /// A line of a network has the times of the whole network.
+    /// A line of a network has its own times.
     #[getter]
     fn seconds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         seconds_dict(py, &self.seconds)
