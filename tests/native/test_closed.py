@@ -7,7 +7,7 @@ import smooth_polylines as sp
 from native.made_meshes import make_cylinder, nearest_triangle
 from native.surfaces import open_surface
 
-FILTERS = ("linear", "cubic", "geodesic")
+FILTERS = ("linear", "cubic", "geodesic", "fair")
 
 
 def make_waist(around=24, along=16):

@@ -15,7 +15,7 @@ from native.invariants import same_line
 from native.made_meshes import make_irregular_square, make_terrain
 from native.surfaces import MADE, SOUND, open_surface
 
-FILTERS = ("none", "linear", "cubic", "geodesic")
+FILTERS = ("none", "linear", "cubic", "geodesic", "fair")
 COUNTERS = (
     "iterations", "moves", "newton_steps", "funnels", "vertex_passes", "loops_removed", "pops", "strip_triangles",
     "start_length", "stop_reason", "detail_size",
@@ -51,7 +51,7 @@ SCRIPT = """
     with np.load(sys.argv[1]) as arrays:
         mesh = sp.SurfaceMesh(arrays["positions"], arrays["triangles"])
     digest = hashlib.sha256()
-    for filter_name in ("none", "linear", "cubic", "geodesic"):
+    for filter_name in ("none", "linear", "cubic", "geodesic", "fair"):
         for picks in ([3, 900, 1500], [40, 7, 1200, 700]):
             for closed in (False, True):
                 line = mesh.polyline(picks, filter=filter_name, pinned="all", closed=closed)

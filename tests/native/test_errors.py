@@ -35,7 +35,7 @@ def make_two_squares():
     return np.vstack([positions, positions + 5]), np.vstack([triangles, triangles + len(positions)])
 
 
-@pytest.mark.parametrize("filter_name", ["none", "linear", "cubic", "geodesic"])
+@pytest.mark.parametrize("filter_name", ["none", "linear", "cubic", "geodesic", "fair"])
 def test_picks_on_two_parts_are_a_no_path_error_that_names_them_and_the_parts(filter_name):
     mesh = sp.SurfaceMesh(*make_two_squares())
     assert mesh.report.parts == 2

@@ -10,7 +10,7 @@ from native.invariants import SurfaceChecker
 from native.made_meshes import make_fan, make_grid, make_irregular_square, make_sphere
 from native.surfaces import HOSTILE, open_surface
 
-FILTERS = ("none", "linear", "cubic", "geodesic")
+FILTERS = ("none", "linear", "cubic", "geodesic", "fair")
 NAMED = (sp.NoPathError, sp.CollapsedError, sp.OptionError)
 
 

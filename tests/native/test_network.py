@@ -12,7 +12,7 @@ from native.made_meshes import make_grid
 from native.surfaces import open_surface
 
 
-@pytest.mark.parametrize("filter_name", ["none", "linear", "cubic", "geodesic"])
+@pytest.mark.parametrize("filter_name", ["none", "linear", "cubic", "geodesic", "fair"])
 @pytest.mark.parametrize("name", ["terrain", "sphere", "cow.off"])
 def test_a_network_is_its_lines(name, filter_name):
     surface = open_surface(name)

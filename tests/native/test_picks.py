@@ -142,7 +142,7 @@ def test_normalised_weights_are_kept_to_the_bit():
 
 def test_one_distinct_pick_gives_one_point_and_no_length():
     for picks in ([7], [7, 7, 7], [(7, INSIDE)], [(7, INSIDE), (7, INSIDE)]):
-        for filter_name in ("none", "linear", "cubic", "geodesic"):
+        for filter_name in ("none", "linear", "cubic", "geodesic", "fair"):
             line = MESH.polyline(picks, filter=filter_name)
             assert line.points.shape == (1, 3)
             assert line.segment_triangles.shape == (0,)

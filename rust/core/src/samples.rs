@@ -30,7 +30,9 @@ pub struct Samples {
     pub is_pinned: Vec<bool>,
     /// Where they were on the input, in space.
     pub anchors: Vec<DVec3>,
-    /// Length of the input between neighbouring samples, in the units of the positions; above 0.
+    /// The unit of length that `steps` are in, in the units of the positions: the spacing that was asked for.
+    pub unit: f64,
+    /// Length of the input between neighbouring samples; above 0.
     pub steps: Vec<f64>,
     /// Strips between neighbouring samples; parameters play no part.
     pub legs: Vec<Leg>,
@@ -64,9 +66,9 @@ pub fn with_seam(mesh: &SurfaceMesh, route: Route) -> Route {
 }
 
 impl Samples {
-    /// Samples of `input`, a route with pins, at most `spacing` apart; only pins with their flag in `is_pinned` stay fixed.
+    /// Samples of `input`, a route with pins, at most `spacing` apart, which is above 0; only pins with their flag in `is_pinned` stay fixed.
     pub fn of_route(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool], spacing: f64) -> Self {
-        let mut samples = Self { closed: input.closed, ..Self::default() };
+        let mut samples = Self { closed: input.closed, unit: spacing, ..Self::default() };
         for (i, leg) in input.legs.iter().enumerate() {
             let (Some(start), Some(end)) = (input.start_pin(i), input.end_pin(i)) else { continue };
             let mut piece = Leg { first: leg.first, word: Vec::new(), parameters: Vec::new() };
@@ -81,7 +83,7 @@ impl Samples {
             }
             let length = leg.length(mesh, start, end);
             let pieces = ((length / spacing).ceil() as usize).max(FEWEST_PIECES);
-            let step = (length / pieces as f64).max(SHORTEST_PIECE * spacing);
+            let step = (length / spacing / pieces as f64).max(SHORTEST_PIECE);
             let shares: Vec<f64> = (1..pieces).map(|k| k as f64 / pieces as f64).collect();
             let cuts = cut_leg(mesh, leg, start, end, &shares, piece);
             cuts.points.iter().for_each(|&point| samples.push(mesh, point, false));
@@ -126,7 +128,7 @@ impl Samples {
 
     /// The curve of the samples `kept` alone.
     pub fn thinned(&self, mesh: &SurfaceMesh, kept: &[usize]) -> Self {
-        let mut thin = Self { closed: self.closed, ..Self::default() };
+        let mut thin = Self { closed: self.closed, unit: self.unit, ..Self::default() };
         for &i in kept {
             thin.points.push(self.points[i]);
             thin.is_pinned.push(self.is_pinned[i]);

@@ -86,16 +86,15 @@ pub fn smooth_fair(
     let detail_size = choose_detail_size(&input, is_pinned, length, options.detail_size.or(own_size))?;
     report.detail_size = Some(detail_size);
     let spacing = (edge / SAMPLES_PER_EDGE).min((detail_size / SAMPLES_PER_DETAIL).max(edge / MOST_SAMPLES_PER_EDGE));
-    if spacing == 0.0 {
-        return Ok(());
-    }
+    // All in one place: any unit will do.
+    let spacing = if spacing > 0.0 { spacing } else { 1.0 };
     let samples = Samples::of_route(mesh, &input, is_pinned, spacing);
     let mut stride = coarsest_stride(&samples, detail_size / spacing);
     let mut kept = samples.kept_at(stride);
     let mut lowering = Lowering {
         mesh,
         limit: options.max_iterations.unwrap_or(ROUND_BOUND),
-        length,
+        length: length / spacing,
         stages: options.stages,
         work: SpanWork::default(),
         report,
@@ -168,7 +167,7 @@ fn choose_detail_size(input: &Route, is_pinned: &[bool], length: f64, given: Opt
 struct Lowering<'a> {
     mesh: &'a SurfaceMesh,
     limit: u32,
-    /// Of the input, in the units of the positions.
+    /// Of the input, in the samples' unit.
     length: f64,
     stages: bool,
     work: SpanWork,
@@ -179,7 +178,7 @@ struct Lowering<'a> {
 impl Lowering<'_> {
     fn open_curve(&mut self, samples: Samples, detail_size: f64) -> FairCurve {
         let curve = FairCurve::new(self.mesh, samples, detail_size, &mut self.work, self.report);
-        self.report.energies = vec![curve.energy];
+        self.report.energies = vec![curve.energy / curve.unit()];
         curve
     }
 
@@ -199,7 +198,7 @@ impl Lowering<'_> {
                 slow_steps = if fall < slow_fall * curve.energy { slow_steps + 1 } else { 0 };
                 *curve = next;
                 self.report.iterations += 1;
-                self.report.energies.push(curve.energy);
+                self.report.energies.push(curve.energy / curve.unit());
                 if self.stages {
                     self.report.stages.extend(curve.to_route(self.mesh).and_then(|route| points_of(self.mesh, &route)));
                 }

@@ -13,6 +13,8 @@
 //! closer); on a surface it is lowered by Gauss-Newton steps, in each of which a sample moves straight ahead on the
 //! surface (`trace`), over as many triangles and vertices as it takes.
 //!
+//! Lengths are in the samples' own unit, so that no power of them is too large or too small.
+//!
 //! Source: L. Noakes, G. Heinzinger, B. Paden 1989, *Cubic Splines on Curved Spaces*; discretised here.
 
 use std::rc::Rc;
@@ -33,6 +35,9 @@ use crate::turn::{Heading, Turn, turn_at};
 
 /// Spans a side over which the surface's curvature is averaged for a step's model.
 const CURVATURE_SPANS: isize = 8;
+
+/// A detail size below this, in the samples' unit, is taken for it: the curve is its input either way.
+const LEAST_DETAIL: f64 = 1e-3;
 
 /// A curve in the making.
 #[derive(Clone, Debug)]
@@ -86,8 +91,13 @@ impl FairCurve {
             Span::relax(mesh, &samples.points[i], &samples.points[(i + 1) % count], leg.clone(), work, report)
         });
         let (spans, points) = (spans.collect(), samples.points.clone());
-        let closeness = detail_size.powi(-4);
+        let closeness = (detail_size / samples.unit).max(LEAST_DETAIL).powi(-4);
         Self { input: Rc::new(samples), closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh)
+    }
+
+    /// The unit of length, in the units of the positions.
+    pub fn unit(&self) -> f64 {
+        self.input.unit
     }
 
     fn count(&self) -> usize {
@@ -106,12 +116,22 @@ impl FairCurve {
         0.5 * [before, after].into_iter().flatten().map(|span| self.input.steps[span]).sum::<f64>()
     }
 
+    /// How far a sample is from where it was on the input.
+    fn offset(&self, mesh: &SurfaceMesh, i: usize) -> DVec3 {
+        (mesh.position_of(&self.points[i]) - self.input.anchors[i]) / self.input.unit
+    }
+
+    /// How fast the curve runs along a span: its length over that of the input.
+    fn speed(&self, span: usize) -> f64 {
+        self.spans[span].length / self.input.unit / self.input.steps[span]
+    }
+
     fn measured(mut self, mesh: &SurfaceMesh) -> Self {
         self.frames = (0..self.count()).map(|i| self.frame(mesh, i)).collect();
         self.energy = (0..self.count())
             .map(|i| {
                 let bending = self.acceleration(i).map_or(0.0, |a| a.length_squared() / self.weight(i));
-                let off = mesh.position_of(&self.points[i]) - self.input.anchors[i];
+                let off = self.offset(mesh, i);
                 bending + self.closeness * self.weight(i) * off.length_squared()
             })
             .sum();
@@ -133,7 +153,7 @@ impl FairCurve {
         };
         let mean = |i: isize| {
             let sum: DVec2 = (i - CURVATURE_SPANS..i + CURVATURE_SPANS).filter_map(at).sum();
-            if sum.y > 0.0 { sum.x / sum.y } else { 0.0 }
+            if sum.y > 0.0 { sum.x / sum.y * self.input.unit.powi(2) } else { 0.0 }
         };
         (0..self.count() as isize).map(mean).collect()
     }
@@ -167,8 +187,7 @@ impl FairCurve {
     fn acceleration(&self, i: usize) -> Option<DVec2> {
         let (before, after) = self.neighbours(i);
         let (before, after) = (before?, after?);
-        let speed = |span: usize| self.spans[span].length / self.input.steps[span];
-        Some(speed(after) * self.frames[i].chord_out - speed(before) * self.frames[i].chord_in)
+        Some(self.speed(after) * self.frames[i].chord_out - self.speed(before) * self.frames[i].chord_in)
     }
 
     /// Takes a vector at the sample after span `span` to the sample before it.
@@ -179,7 +198,7 @@ impl FairCurve {
         rotation(here.chord_out) * mirror * rotation(there.chord_in).transpose()
     }
 
-    /// The Gauss-Newton step that leaves alone what is longer than `reach`, a length in the units of the positions: it is
+    /// The Gauss-Newton step that leaves alone what is longer than `reach`, a length: it is
     /// held back by closeness to where the curve is, as if that were its input and `reach` its detail size. `None` when
     /// there is no such step.
     pub fn step(&self, mesh: &SurfaceMesh, reach: f64, cones: &mut Cones) -> Option<FairStep> {
@@ -195,7 +214,7 @@ impl FairCurve {
                 continue;
             }
             let weight = self.weight(i);
-            let off = mesh.position_of(&self.points[i]) - self.input.anchors[i];
+            let off = self.offset(mesh, i);
             for c in 0..2 {
                 matrix.add(2 * i + c, 0, (self.closeness + hold) * weight);
                 right[2 * i + c] -= self.closeness * weight * off.dot(self.frames[i].axes[c]);
@@ -218,7 +237,7 @@ impl FairCurve {
         };
         let (step_before, step_after) = (self.input.steps[before], self.input.steps[after]);
         let stretch = -1.0 / step_before - 1.0 / step_after;
-        let speed = 0.5 * (self.spans[before].length / step_before + self.spans[after].length / step_after);
+        let speed = 0.5 * (self.speed(before) + self.speed(after));
         let own = DMat2::from_diagonal(DVec2::new(stretch, stretch + weight * speed * speed * curvature));
         let stencil = [
             (-1, (i + count - 1) % count, self.transport(before).transpose() * (1.0 / step_before)),
@@ -247,7 +266,7 @@ impl FairCurve {
         let mut crossed = vec![Vec::new(); points.len()];
         for i in (0..points.len()).filter(|&i| !self.input.is_pinned[i]) {
             let [x, y] = self.frames[i].axes;
-            let way = step.ways[i].x * x + step.ways[i].y * y;
+            let way = self.input.unit * (step.ways[i].x * x + step.ways[i].y * y);
             points[i] = trace(mesh, &self.points[i], way, &mut crossed[i]);
         }
         let spans = self.spans.iter().enumerate().map(|(i, span)| {
