@@ -154,7 +154,7 @@ def test_details_far_beyond_any_mesh_are_taken():
     picks = surface.random_picks(5, 6)
     for size in (1e-300, 1e-30, 1e30, 1e300):
         surface.checker.check(surface.mesh.polyline(picks, filter="fair", detail_size=size))
-    for scale in (1e-60, 1e-30, 1e30, 1e60):
+    for scale in (2.0**-200, 2.0**-100, 2.0**100, 2.0**200):
         mesh = sp.SurfaceMesh(surface.positions * scale, surface.triangles)
         line = mesh.polyline(picks, filter="fair")
         here = surface.mesh.polyline(picks, filter="fair")
