@@ -13,10 +13,14 @@ use crate::report::Observer;
 use crate::smooth::polyline;
 use crate::surface_point::Pick;
 
+/// Lines of the first batch; each further one has as many as have been made. Landmarks are chosen between batches alone, so
+/// that the report of a line does not tell which thread was first.
+const FIRST_BATCH: usize = 16;
+
 /// One result for each of `connections`, which are pairs of positions in `picks`, in their order.
 ///
 /// `observe(i)` gives the observer of line `i`, which works on the thread that makes the line and is returned with it. All
-/// of them have to stop once one does: then so does the network.
+/// of them have to stop once one does: then so does the network. It is also called for the choice of landmarks.
 ///
 /// # Errors
 /// Options out of range, or a connection that names no pick; what befalls a single line is in its own result.
@@ -47,7 +51,17 @@ pub fn network<O: Observer + Send>(
         observer.finish();
         (line.map_err(|error| error.with_picks(places)), observer)
     };
-    let lines: Vec<_> = (0..connections.len()).into_par_iter().with_max_len(1).map(make).collect();
+    let mut lines = Vec::with_capacity(connections.len());
+    while lines.len() < connections.len() {
+        let start = lines.len();
+        let end = connections.len().min(start + FIRST_BATCH.max(start));
+        let first = connections[start][0] as usize;
+        if let Ok(near) = mesh.resolve_pick(first, &picks[first]) {
+            mesh.dual_graph().choose_landmarks_if_due(near.triangle, &mut observe(start))?;
+        }
+        let _held = mesh.dual_graph().hold_landmarks();
+        lines.par_extend((start..end).into_par_iter().with_max_len(1).map(&make));
+    }
     if lines.iter().any(|(line, _)| *line == Err(Error::Interrupted)) {
         return Err(Error::Interrupted);
     }

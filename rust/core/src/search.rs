@@ -109,6 +109,21 @@ pub struct SearchEnd {
     pub anchor: DVec3,
 }
 
+/// See [`DualGraph::hold_landmarks`].
+#[derive(Debug)]
+pub struct HeldLandmarks<'a> {
+    /// None: another thread was choosing or holding already.
+    is_choosing: Option<&'a AtomicBool>,
+}
+
+impl Drop for HeldLandmarks<'_> {
+    fn drop(&mut self) {
+        if let Some(is_choosing) = self.is_choosing {
+            is_choosing.store(false, Ordering::Release);
+        }
+    }
+}
+
 impl DualGraph {
     /// Builds the records. Cost: O(triangles), on as many threads as there are.
     pub fn new(placed: &CurveOrder, adjacency: &Adjacency) -> Self {
@@ -165,10 +180,8 @@ impl DualGraph {
         to: &SearchEnd,
         observer: &mut dyn Observer,
     ) -> Result<Option<FoundStrip>, Error> {
-        let is_due = self.records.len() >= LANDMARK_TRIANGLES
-            && self.total_pops.load(Ordering::Relaxed) >= POPS_BEFORE_LANDMARKS * self.records.len() as u64;
-        if let (true, Some(&near)) = (is_due, from.triangles.first()) {
-            self.choose_landmarks(near, observer)?;
+        if let Some(&near) = from.triangles.first() {
+            self.choose_landmarks_if_due(near, observer)?;
         }
         let mut scratch = self.take_scratch();
         let result = self.search(from, to, &mut scratch, observer);
@@ -179,6 +192,23 @@ impl DualGraph {
             self.total_pops.fetch_add(found.pops, Ordering::Relaxed);
         }
         result
+    }
+
+    /// [`DualGraph::choose_landmarks`], where the mesh is large and has been asked often.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] when the observer says so.
+    pub fn choose_landmarks_if_due(&self, near: TriangleId, observer: &mut dyn Observer) -> Result<(), Error> {
+        let is_due = self.records.len() >= LANDMARK_TRIANGLES
+            && self.total_pops.load(Ordering::Relaxed) >= POPS_BEFORE_LANDMARKS * self.records.len() as u64;
+        if is_due { self.choose_landmarks(near, observer) } else { Ok(()) }
+    }
+
+    /// As long as the result lives no landmarks are chosen: searches that go on side by side then count the same pops
+    /// whichever comes first.
+    pub fn hold_landmarks(&self) -> HeldLandmarks<'_> {
+        let is_own = !self.is_choosing.swap(true, Ordering::Acquire);
+        HeldLandmarks { is_choosing: is_own.then_some(&self.is_choosing) }
     }
 
     /// Chooses landmarks in the part of the mesh that holds `near`, unless they are there or another thread is at it.
