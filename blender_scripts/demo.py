@@ -109,9 +109,8 @@ def main() -> None:
 
     properties = {"filter": arguments.filter, "closed": closed, "pinned": pinned}
     if arguments.filter == "CUBIC":
-        # Crossings are unevenly spaced on any real mesh: knots that know of it give the smoother cubic. The strips of
-        # dense scans are stairs, which take a finer threshold to go.
-        properties |= {"knots": "CENTRIPETAL", "threshold": 1e-3 if arguments.mesh else 1e-2}
+        # The strips of dense scans are stairs, which take a finer threshold to go.
+        properties |= {"threshold": 1e-3 if arguments.mesh else 1e-2}
     diagonal = demo_meshes.measure_diagonal(mesh_object)
     start_object = add_line(filter="NONE", closed=closed, pinned=pinned, bevel=0.0012 * diagonal, name="Start")
     began = time.perf_counter()

@@ -29,8 +29,8 @@ SOLVERS = (
     ),
 )
 KNOTS = (
+    ("CENTRIPETAL", "Centripetal", "Steps by the square root of the distances: the smoothest lines"),
     ("UNIFORM", "Uniform", "As in the paper: equal steps, whatever the distances of the crossings"),
-    ("CENTRIPETAL", "Centripetal", "Steps by the square root of the distances"),
     ("CHORDAL", "Chordal", "Steps by the distances"),
 )
 NOT_CONVERGED = {
@@ -50,7 +50,7 @@ class MESH_OT_smooth_polyline_add(bpy.types.Operator):
     closed: BoolProperty(name="Closed", description="Join the last pick to the first", default=False)
     pinned: EnumProperty(name="Pinned", description="Picks that the line passes exactly", items=PINS, default="ENDS")
     solver: EnumProperty(name="Solver", description="How Linear and Cubic are computed", items=SOLVERS, default="AUTO")
-    knots: EnumProperty(name="Knots", description="Spacing that Cubic works with", items=KNOTS, default="UNIFORM")
+    knots: EnumProperty(name="Knots", description="Spacing that Cubic works with", items=KNOTS, default="CENTRIPETAL")
     support: IntProperty(
         name="Support",
         description="Crossings on each side that Cubic looks at; 2: as in the paper, more: larger detail goes",
@@ -152,7 +152,7 @@ class MESH_OT_smooth_polyline_add(bpy.types.Operator):
             pinned=self.pinned.lower(),
             # Greyed out for the other filters, where a value left over from before must do no harm.
             solver=self.solver.lower() if self.filter in {"LINEAR", "CUBIC"} else "auto",
-            knots=self.knots.lower() if self.filter == "CUBIC" else "uniform",
+            knots=self.knots.lower() if self.filter == "CUBIC" else "centripetal",
             support=self.support if self.filter == "CUBIC" else 2,
             threshold=self.threshold,
             max_iterations=self.max_iterations or None,

@@ -99,12 +99,14 @@ def test_the_papers_ring_of_thirty_picks_keeps_its_shape(name):
         turn = np.abs((angle - a + np.pi) % (2 * np.pi) - np.pi)
         sector = np.flatnonzero(turn < 0.1)
         picks.append(int(near[sector[radius[sector].argmax()]]))
-    line = surface.mesh.polyline(picks, closed=True, filter="cubic")
+    # Of finer thresholds the filter makes more than a smooth ring: it has no limit.
+    line = surface.mesh.polyline(picks, closed=True, filter="cubic", threshold=1e-2)
     surface.checker.check(line, pins=[])
+    assert line.report.stop_reason in ("converged", "converged_at_vertices")
     ring = surface.positions[surface.triangles[picks]].mean(axis=1)
     chords = np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1).sum()
-    # The uniform cubic lengthens lines a little where crossings are uneven.
-    assert 0.9 * chords < line.length <= line.report.start_length * 1.05
+    # It takes out the strip's stairs and little more.
+    assert 0.9 * chords < line.length <= line.report.start_length
     # Every pick is still near the line: the shape stays.
     nearest = np.linalg.norm(ring[:, None] - line.points[None], axis=2).min(axis=1)
     assert nearest.max() < 0.05 * surface.diagonal

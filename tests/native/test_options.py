@@ -17,7 +17,7 @@ PICKS = [3, 37, 71]
 def test_the_signature_is_the_contract():
     expected = {
         "closed": False, "filter": "linear", "pinned": "ends", "solver": "auto", "threshold": 1e-4,
-        "max_iterations": None, "detail_size": None, "knots": "uniform", "support": 2,
+        "max_iterations": None, "detail_size": None, "knots": "centripetal", "support": 2,
         "stages": False,
     }  # fmt: skip
     for method, leading in ((sp.SurfaceMesh.polyline, 2), (sp.SurfaceMesh.stroke, 2), (sp.SurfaceMesh.network, 3)):
@@ -113,13 +113,13 @@ def test_max_iterations_below_1_are_refused(value):
 
 @pytest.mark.parametrize("value", [2, 16, np.uint8(7)])
 def test_a_support_from_2_to_16_is_taken(value):
-    MESH.polyline(PICKS, filter="cubic", support=value)
+    MESH.polyline(PICKS, filter="cubic", support=value, threshold=1e-2)
 
 
 @pytest.mark.parametrize("value", [-(2**200), -1, 0, 1, 17, 2**40, 2**200])
 def test_another_support_is_refused(value):
     with pytest.raises(sp.OptionError, match=r"^support: found .*expected 2 to 16 neighbours a side"):
-        MESH.polyline(PICKS, filter="cubic", support=value)
+        MESH.polyline(PICKS, filter="cubic", support=value, threshold=1e-2)
 
 
 @pytest.mark.parametrize("filter_name", ["linear", "geodesic", "fair", "none"])

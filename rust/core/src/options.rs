@@ -46,9 +46,9 @@ pub enum Pinned {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Knots {
     /// -2, -1, 1, 2 whatever the spacing (the paper).
-    #[default]
     Uniform,
-    /// Steps of the square root of the distance.
+    /// Steps of the square root of the distance: the shortest lines that turn least (measured, see docs/filters.md).
+    #[default]
     Centripetal,
     /// Steps of the distance.
     Chordal,

@@ -40,8 +40,20 @@ pub struct PassWork {
     funnel: Funnel,
     /// At each mesh vertex so far: times that vertices of the line were freed on their own side, and passes kept.
     changes: HashMap<VertexId, [u32; 2]>,
+    /// The fan that was refused last at each mesh vertex, freed or passed: the same again would be refused again.
+    refused: HashMap<(VertexId, usize), Attempt>,
     /// Whether a vertex that was changed once is left alone: set when the line has come back to a strip, or found no rest.
     pub is_strict: bool,
+}
+
+/// All that decides whether a fan is kept.
+#[derive(PartialEq, Debug)]
+struct Attempt {
+    fan: Vec<HalfedgeId>,
+    /// The stretch that it would replace, with the fixed points on both sides.
+    old: Vec<DVec3>,
+    fixed_before: usize,
+    threshold: f64,
 }
 
 /// Places in [`PassWork::changes`].
@@ -190,7 +202,9 @@ fn try_pass(
         if changes[kind] >= most_changes {
             continue;
         }
-        if let Some(end) = try_fan(mesh, route, leg, letters.clone(), fan, filter, threshold, report, work) {
+        if let Some(end) =
+            try_fan(mesh, route, leg, letters.clone(), fan, (vertex, kind), filter, threshold, report, work)
+        {
             report.vertex_passes += kind as u64;
             work.changes.entry(vertex).or_default()[kind] += 1;
             return Some(end);
@@ -207,6 +221,7 @@ fn try_fan(
     leg: usize,
     letters: Range<usize>,
     fan: Vec<HalfedgeId>,
+    place: (VertexId, usize),
     filter: &impl SlidingFilter,
     threshold: f64,
     report: &mut Report,
@@ -217,9 +232,18 @@ fn try_fan(
     let before = neighbours(mesh, route, leg, window.start, false, reach);
     let after = neighbours(mesh, route, leg, window.end, true, reach);
     let (&start, &end) = (before.first()?, after.first()?);
+    let old_leg = &route.legs[leg];
+    let crossings = window.clone().map(|i| crossing_position(mesh, old_leg.word[i], old_leg.parameters[i]));
+    let old: Vec<DVec3> = before.iter().rev().copied().chain(crossings).chain(after.iter().copied()).collect();
+    let threshold = threshold.min(FAN_THRESHOLD);
+    let attempt = Attempt { fan, old, fixed_before: before.len(), threshold };
+    if work.refused.get(&place) == Some(&attempt) {
+        return None;
+    }
+    let fan = &attempt.fan;
     let mut parameters = Vec::with_capacity(fan.len());
     report.funnels += 1;
-    shortest_crossings(mesh, start, &fan, end, &mut work.unfolding, &mut work.funnel, &mut parameters);
+    shortest_crossings(mesh, start, fan, end, &mut work.unfolding, &mut work.funnel, &mut parameters);
     let mut beads = Beads::default();
     before.iter().rev().for_each(|&p| beads.push_fixed(p));
     for (&letter, &t) in fan.iter().zip(&parameters) {
@@ -228,17 +252,16 @@ fn try_fan(
     }
     after.iter().for_each(|&p| beads.push_fixed(p));
     let moves = FAN_MOVES * (fan.len() as u64 + 1);
-    let outcome = relax_by_heap(&mut beads, filter, threshold.min(FAN_THRESHOLD), moves, || ControlFlow::Continue(()));
+    let outcome = relax_by_heap(&mut beads, filter, threshold, moves, || ControlFlow::Continue(()));
     report.moves += outcome.moves;
-    let old_leg = &route.legs[leg];
-    let crossings = window.clone().map(|i| crossing_position(mesh, old_leg.word[i], old_leg.parameters[i]));
-    let old: Vec<DVec3> = before.iter().rev().copied().chain(crossings).chain(after.iter().copied()).collect();
-    let (was, is) = (filter.measure(&old), filter.measure(&beads.positions));
+    let (was, is) = (filter.measure(&attempt.old), filter.measure(&beads.positions));
     // Written so that a measure that is not a number is refused.
     let is_better = is < was * (1.0 - GAIN);
     if !is_better {
+        work.refused.insert(place, attempt);
         return None;
     }
+    let fan = attempt.fan;
     parameters.copy_from_slice(&beads.parameters[before.len()..before.len() + fan.len()]);
     let new_end = window.start + fan.len();
     let leg = &mut route.legs[leg];

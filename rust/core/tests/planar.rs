@@ -5,7 +5,7 @@ mod support;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use smooth_polylines_core::{Error, Options, Pick, Polyline, StopReason};
+use smooth_polylines_core::{Error, Knots, Options, Pick, Polyline, StopReason};
 use support::random::Random;
 use support::shapes::{self, Shape};
 use support::{all_pinned, at, closed, cubic, faces, geodesic, heap, line, try_line};
@@ -108,7 +108,7 @@ fn the_cubic_filter_leaves_uniform_cubics_alone() {
     // The edge of crossing k joins vertices k and k + 1; the ends of the line are the first and the last crossing.
     let last = shape.triangles.len() - 1;
     let picks = [at(0, [0.5, 0.5, 0.0]), at(last, [0.0, 0.5, 0.5])];
-    let options = Options { threshold: 1e-9, ..cubic() };
+    let options = Options { threshold: 1e-9, knots: Knots::Uniform, ..cubic() };
     let line = line(&mesh, &picks, &options);
     assert_eq!(line.points.len(), crossings + 1);
     for (k, p) in line.points.iter().enumerate() {

@@ -66,7 +66,9 @@ fn sweep(name: &str, shape: &Shape, rounds: usize, seed: u64) -> (usize, usize) 
                         if is_simple && !has_inner_pins && options.filter != Filter::Fair {
                             let before = try_line(&mesh, &picks, &step_b(&options));
                             let repeats = before.map_or(0, |before| count_new_repeats(&before, &made));
-                            assert_eq!(repeats, 0, "{name}, {filter}: new loops, {picks:?} {options:?}");
+                            // Where its own route doubles back, passing a vertex may take the cubic into one triangle more.
+                            let most = usize::from(options.filter == Filter::Cubic);
+                            assert!(repeats <= most, "{name}, {filter}: new loops, {picks:?} {options:?}");
                         }
                     }
                     Err(Error::NoPath { .. } | Error::Collapsed { .. }) => errors += 1,

@@ -47,8 +47,8 @@ impl PySurfaceMesh {
     /// detail_size : float, optional
     ///     "fair" only, in the units of the positions: wiggles much shorter than it go; `inf`: as smooth as the pins allow.
     ///     None: `inf` if all inner picks are pinned, else a quarter of the mean distance between picks.
-    /// knots : "uniform", "centripetal" or "chordal"
-    ///     "cubic" only: parameters of the neighbours; "uniform" is the paper's.
+    /// knots : "centripetal", "uniform" or "chordal"
+    ///     "cubic" only: steps of the neighbours' parameters: roots of their distances, all alike (the paper's), distances.
     /// support : int
     ///     "cubic" only: neighbours a side that the cubic is made from, 2 to 16. 2, the paper's: through them; more: the
     ///     nearest to them by least squares, which takes out larger detail. Cost: in proportion to its square.
@@ -72,10 +72,10 @@ impl PySurfaceMesh {
     /// Source: G.-P. Bonneau, S. Hahmann, Smooth Polylines on Polygon Meshes (2003), sections 3 to 6.
     #[pyo3(
         signature = (picks, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
-                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
+                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
                      support=DEFAULT_SUPPORT, stages=false),
         text_signature = "($self, picks, closed=False, filter='linear', pinned='ends', solver='auto', \
-                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', \
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
                           support=2, stages=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
@@ -146,10 +146,10 @@ impl PySurfaceMesh {
     ///        [0.25 , 0.5  , 0.   ]])
     #[pyo3(
         signature = (points, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
-                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
+                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
                      support=DEFAULT_SUPPORT, stages=false),
         text_signature = "($self, points, closed=False, filter='linear', pinned='ends', solver='auto', \
-                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', \
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
                           support=2, stages=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
@@ -205,10 +205,10 @@ impl PySurfaceMesh {
     /// <Network: 2 connections, 2 lines, 0 errors>
     #[pyo3(
         signature = (picks, connections, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
-                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Uniform,
+                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
                      support=DEFAULT_SUPPORT, stages=false),
         text_signature = "($self, picks, connections, closed=False, filter='linear', pinned='ends', solver='auto', \
-                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='uniform', \
+                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
                           support=2, stages=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]

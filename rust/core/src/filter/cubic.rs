@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge};
 use super::{Edge, MAX_REACH, SlidingFilter};
-use crate::options::{DEFAULT_SUPPORT, Knots};
+use crate::options::Knots;
 
 /// See the module.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +24,6 @@ pub struct Cubic {
     pub knots: Knots,
     /// Neighbours on each side, 2 to [`crate::options::MAX_SUPPORT`].
     pub support: usize,
-}
-
-impl Default for Cubic {
-    fn default() -> Self {
-        Self { knots: Knots::default(), support: DEFAULT_SUPPORT }
-    }
 }
 
 /// The most points that a cubic goes through; nearest to more.
@@ -48,13 +42,17 @@ impl SlidingFilter for Cubic {
         }
         let points = self.choose_points(before, after);
         let inner = before.len() - 1;
-        let knots = self.place_knots(&points, inner);
+        let e = edge.high - edge.low;
+        let Some(knots) = self.place_knots(&points, inner) else {
+            let foot = (points[inner] - edge.low).dot(e) / e.length_squared();
+            return if foot.is_finite() { foot.clamp(0.0, 1.0) } else { t };
+        };
         let curve = if points.len() <= INTERPOLATED {
             Curve::through(&knots, &points, edge.low)
         } else {
             Curve::nearest_to(&Basis::over(&knots), &points, edge.low)
         };
-        nearest_on_edge(&curve, edge.high - edge.low, knots[inner], knots[inner + 1]).unwrap_or(t)
+        nearest_on_edge(&curve, e, -1.0, 1.0).unwrap_or(t)
     }
 
     /// The bending energy of the polyline: squared turn of its direction over half the length of the two segments.
@@ -75,39 +73,40 @@ impl Cubic {
         before.iter().rev().chain(after).copied().take(2 * self.support).collect()
     }
 
-    /// Parameters of the neighbours: -1 and 1 for the inner ones, which are at `inner` and `inner + 1`.
-    fn place_knots(&self, points: &[DVec3], inner: usize) -> Row {
-        let mut knots = Row::new();
-        let power = match self.knots {
-            Knots::Uniform => {
-                // The vertex itself has parameter 0, which is left out.
-                knots.extend(
-                    (0..points.len())
-                        .map(|i| if i <= inner { i as f64 - inner as f64 - 1.0 } else { (i - inner) as f64 }),
-                );
-                return knots;
+    /// Parameters of the neighbours: -1 and 1 for the inner ones, which are at `inner` and `inner + 1`; `None` where these
+    /// two are in one place, next to which every other step is endless.
+    ///
+    /// Steps are taken from ratios of distances and by square roots alone: the same to the bit at every size, on every
+    /// machine.
+    fn place_knots(&self, points: &[DVec3], inner: usize) -> Option<Row> {
+        let inner_gap = points[inner].distance(points[inner + 1]);
+        let step = |i: usize| {
+            let share = points[i].distance(points[i + 1]) / inner_gap;
+            match self.knots {
+                Knots::Uniform => 1.0,
+                Knots::Centripetal => 2.0 * share.sqrt(),
+                Knots::Chordal => 2.0 * share,
             }
-            Knots::Centripetal => 0.5,
-            Knots::Chordal => 1.0,
         };
-        let mut knot = 0.0;
-        for (i, &point) in points.iter().enumerate() {
-            if i > 0 {
-                knot += points[i - 1].distance(point).powf(power);
-            }
-            knots.push(knot);
+        let mut knots: Row = points.iter().map(|_| -1.0).collect();
+        for i in (0..inner).rev() {
+            knots[i] = knots[i + 1] - step(i);
         }
-        // The gap between the inner neighbours becomes -1..1, as in the uniform form.
-        let (a, b) = (knots[inner], knots[inner + 1]);
-        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-        knots.iter_mut().for_each(|k| *k = if half > 0.0 { (*k - middle) / half } else { 0.0 });
-        knots
+        knots[inner + 1] = 1.0;
+        for i in inner + 1..points.len() - 1 {
+            knots[i + 1] = knots[i] + step(i);
+        }
+        knots.iter().all(|k| k.is_finite()).then_some(knots)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::DEFAULT_SUPPORT;
+
+    /// The paper's own form.
+    const UNIFORM: Cubic = Cubic { knots: Knots::Uniform, support: DEFAULT_SUPPORT };
 
     fn on_cubic(u: f64) -> DVec3 {
         DVec3::new(u + 0.1 * u * u, 0.4 * u * u * u - u, 0.2 * u * u)
@@ -120,7 +119,7 @@ mod tests {
             let edge = Edge { low: here - 0.3 * direction, high: here + 0.7 * direction };
             let before = [on_cubic(-1.0), on_cubic(-2.0)];
             let after = [on_cubic(1.0), on_cubic(2.0)];
-            let t = Cubic::default().target(&edge, &before, &after, 0.9);
+            let t = UNIFORM.target(&edge, &before, &after, 0.9);
             assert!((t - 0.3).abs() < 1e-12, "{t}");
         }
     }
@@ -129,7 +128,7 @@ mod tests {
     fn three_neighbours_give_a_parabola_and_two_a_line() {
         let parabola = |u: f64| DVec3::new(u, u * u, 0.0);
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 3.0, 0.0) };
-        let cubic = Cubic::default();
+        let cubic = UNIFORM;
         let t = cubic.target(&edge, &[parabola(-1.0)], &[parabola(1.0), parabola(2.0)], 0.9);
         assert!((t - 0.25).abs() < 1e-12, "{t}");
         let t = cubic.target(&edge, &[parabola(-1.0), parabola(-2.0)], &[parabola(1.0)], 0.9);
@@ -143,7 +142,7 @@ mod tests {
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 1.0, 0.0) };
         let at = |x: f64| DVec3::new(x, 0.0, 0.0);
         for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
-            let t = Cubic { knots, ..Cubic::default() }.target(&edge, &[at(-0.1), at(-3.0)], &[at(2.0), at(2.1)], 0.9);
+            let t = Cubic { knots, ..UNIFORM }.target(&edge, &[at(-0.1), at(-3.0)], &[at(2.0), at(2.1)], 0.9);
             assert!((t - 0.5).abs() < 1e-9, "{knots:?} {t}");
         }
     }
@@ -153,7 +152,7 @@ mod tests {
         let here = on_cubic(0.0);
         let edge = Edge { low: here - DVec3::Z, high: here + 3.0 * DVec3::Z };
         for support in [3, 4, 16] {
-            let cubic = Cubic { support, ..Cubic::default() };
+            let cubic = Cubic { support, ..UNIFORM };
             for count in [1, 2, support] {
                 let before: Vec<DVec3> = (1..=count).map(|i| on_cubic(-(i as f64))).collect();
                 let after: Vec<DVec3> = (1..=2 * support - count).map(|i| on_cubic(i as f64)).collect();
@@ -171,8 +170,18 @@ mod tests {
         let weight = |i: usize| (0..6).filter(|&j| j != i).map(|j| 1.0 / (knots[i] - knots[j])).product::<f64>();
         let at = |i: usize| DVec3::new(knots[i], 10.0 * weight(i), 0.0);
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 1.0, 0.0) };
-        let cubic = Cubic { support: 3, knots: Knots::Uniform };
+        let cubic = Cubic { support: 3, ..UNIFORM };
         let t = cubic.target(&edge, &[at(2), at(1), at(0)], &[at(3), at(4), at(5)], 0.9);
         assert!((t - 0.5).abs() < 1e-12, "{t}");
+    }
+
+    #[test]
+    fn between_neighbours_in_one_place_a_vertex_belongs_next_to_it() {
+        let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 3.0, 0.0) };
+        let (far, place) = (DVec3::new(-5.0, 3.0, 0.0), DVec3::new(0.5, 0.0, 0.0));
+        for knots in [Knots::Centripetal, Knots::Chordal] {
+            let t = Cubic { knots, ..UNIFORM }.target(&edge, &[place, far], &[place, -far], 0.9);
+            assert!((t - 0.25).abs() < 1e-12, "{knots:?}: {t}");
+        }
     }
 }

@@ -58,7 +58,7 @@ struct Swing {
 /// Slides the beads until no free one is further than `threshold` (barycentric units) from its target, or until
 /// `move_limit` moves. `on_pause` is called now and then and may stop the work.
 ///
-/// Ties go to the earlier vertex. Cost: O(log n) and at most `2 reach + 1` targets a move.
+/// Ties go to the earlier vertex. Cost: O(log n) and at most `2 reach` targets a move, one or two more next to an end.
 pub fn relax_by_heap(
     beads: &mut Beads,
     filter: &impl SlidingFilter,
@@ -81,7 +81,8 @@ pub fn relax_by_heap(
         }
         moves += 1;
         slide(beads, i, &mut swings[i], reach > 1);
-        judge(beads, filter, i, threshold, &mut swings[i], &mut heap, &mut sides);
+        // Its target is made from its neighbours alone, and stays.
+        rank(beads, i, threshold, &swings[i], &mut heap);
         for forward in [false, true] {
             let mut at = i;
             for distance in 1..2 * reach {
@@ -133,7 +134,12 @@ fn judge(
     beads.neighbourhood(i, filter.reach(), sides);
     let t = beads.parameters[i];
     swing.target = filter.target(&beads.edges[i], &sides.before, &sides.after, t);
-    let error = (swing.target - t).abs();
+    rank(beads, i, threshold, swing, heap);
+}
+
+/// Puts vertex `i` where its error belongs in the heap.
+fn rank(beads: &Beads, i: usize, threshold: f64, swing: &Swing, heap: &mut ErrorHeap) {
+    let error = (swing.target - beads.parameters[i]).abs();
     let step = swing.damping * error;
     heap.set(i, if error > threshold && step > REST * threshold { step } else { 0.0 });
 }

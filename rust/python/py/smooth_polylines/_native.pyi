@@ -185,7 +185,7 @@ class SurfaceMesh:
         max_iterations: SupportsIndex | None = None,
         detail_size: float | None = None,
         *,
-        knots: _Knots = "uniform",
+        knots: _Knots = "centripetal",
         support: SupportsIndex = 2,
         stages: bool = False,
     ) -> Polyline: ...
@@ -200,7 +200,7 @@ class SurfaceMesh:
         max_iterations: SupportsIndex | None = None,
         detail_size: float | None = None,
         *,
-        knots: _Knots = "uniform",
+        knots: _Knots = "centripetal",
         support: SupportsIndex = 2,
         stages: bool = False,
     ) -> Polyline: ...
@@ -217,7 +217,7 @@ class SurfaceMesh:
         max_iterations: SupportsIndex | None = None,
         detail_size: float | None = None,
         *,
-        knots: _Knots = "uniform",
+        knots: _Knots = "centripetal",
         support: SupportsIndex = 2,
         stages: bool = False,
     ) -> Network: ...
