@@ -81,7 +81,8 @@ demo: $(VENV)/.wheel.stamp ## a line on Suzanne in real Blender: out/demo.blend,
 images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs again, into docs/images
 	$(STEP) "Making the pictures"
 	$(BIN)/python blender_scripts/demo.py --output out/images --width 960
-	@mkdir -p docs/images && cp out/images/demo.png docs/images/suzanne.png
+	$(BIN)/python blender_scripts/demo.py --output out/images/fair --filter fair --width 960
+	@mkdir -p docs/images && cp out/images/demo.png docs/images/suzanne.png && cp out/images/fair/demo.png docs/images/fair.png
 
 # --- checking ---------------------------------------------------------------------------------------------
 
