@@ -123,13 +123,14 @@ impl Window {
         }
     }
 
-    /// Length of the shortest line through the window to a point that lies at `along` the edge and `off` its line, on the
-    /// far side in the plane; no line through the window to a point at those distances in space is shorter.
-    pub fn length_to(&self, along: f64, off: f64) -> f64 {
+    /// The shortest line through the window to a point that lies at `along` the edge and `off` its line, on the far side in
+    /// the plane: its length up to the window, and from there on. No line through the window to a point at those distances
+    /// in space is shorter.
+    pub fn lengths_to(&self, along: f64, off: f64) -> [f64; 2] {
         let total = self.y + off;
         let at = if total > 0.0 { self.x + (along - self.x) * (self.y / total) } else { along };
         let at = at.max(self.low).min(self.high);
-        self.behind + length(at - self.x, self.y) + length(at - along, off)
+        [self.behind + length(at - self.x, self.y), length(at - along, off)]
     }
 }
 
@@ -145,6 +146,10 @@ mod tests {
     const A: DVec3 = DVec3::ZERO;
     const B: DVec3 = DVec3::X;
     const C: DVec3 = DVec3::new(0.5, 1.0, 0.0);
+
+    fn length_to(window: &Window, along: f64, off: f64) -> f64 {
+        window.lengths_to(along, off).iter().sum()
+    }
 
     fn is_near(a: f64, b: f64) -> bool {
         (a - b).abs() < 1e-14
@@ -179,10 +184,10 @@ mod tests {
     #[test]
     fn lengths_through_a_window_are_those_of_the_plane_and_of_the_bend_at_its_ends() {
         let window = Window { x: 0.0, y: 3.0, behind: 1.0, low: -1.0, high: 2.0 };
-        assert!(is_near(window.length_to(8.0, 1.0), 1.0 + 13_f64.sqrt() + 37_f64.sqrt()), "bent at 2");
-        assert!(is_near(window.length_to(0.0, 1.0), 5.0), "straight");
+        assert!(is_near(length_to(&window, 8.0, 1.0), 1.0 + 13_f64.sqrt() + 37_f64.sqrt()), "bent at 2");
+        assert!(is_near(length_to(&window, 0.0, 1.0), 5.0), "straight");
         assert!(
-            is_near(Window { y: 0.0, ..window }.length_to(0.5, 2.0), 1.0 + 4.25_f64.sqrt()),
+            is_near(length_to(&Window { y: 0.0, ..window }, 0.5, 2.0), 1.0 + 4.25_f64.sqrt()),
             "on the edge's own line"
         );
     }

@@ -30,6 +30,11 @@ use crate::window::{FlatTriangle, Window};
 /// triangles are this flat, take 1 % more pops.
 const SLIVER: f64 = 0.1;
 
+/// What the straight rest of a line weighs in an estimate beside its way so far. Above 1 the search heads for the goal more
+/// and visits less. Measured: 1.02 takes 10 % fewer pops across a scan and finds lines as short; from 1.05 on lines on
+/// slivers get longer.
+const REST_WEIGHT: f64 = 1.02;
+
 /// What the straight distance from the middle of a window's edge to the goal adds to an estimate, as a share. Where a line
 /// bends at a vertex, windows on several edges promise the same; this decides between them, not rounding. Small, so that
 /// it decides nothing else.
@@ -241,7 +246,8 @@ impl Search<'_> {
         let window = window();
         let (along, off) = place_beside(exit.places, exit.length, self.goal);
         let from_middle = 0.5 * exit.length - along;
-        let estimate = window.length_to(along, off) + TIE_BREAK * (from_middle * from_middle + off * off).sqrt();
+        let [so_far, rest] = window.lengths_to(along, off);
+        let estimate = so_far + REST_WEIGHT * rest + TIE_BREAK * (from_middle * from_middle + off * off).sqrt();
         if known.stamp == *stamp && estimate as f32 > known.best {
             return;
         }
@@ -256,7 +262,7 @@ impl Search<'_> {
     fn length_to_goal(&self, view: &View) -> f64 {
         let places = self.mesh.sorted_ends(view.entered).map(|v| self.mesh.position(v));
         let (along, off) = place_beside(places, places[0].distance(places[1]), self.goal);
-        view.window.length_to(along, off)
+        view.window.lengths_to(along, off).iter().sum()
     }
 
     /// The letters up to a window.
