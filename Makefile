@@ -1,5 +1,5 @@
 # The commands of this project; `make` alone lists them. Everything is set up in virtual environments of the
-# project's own (.venv, .venv-newest), from cargo, make, git and a Python 3.11.
+# project's own (.venv, .venv-newest, .venv-bench), from cargo, make, git and a Python 3.11.
 # Holds no logic of the tests or of the build: those are in cargo, maturin, pytest and blender_scripts.
 
 PYTHON ?= python3.11
@@ -9,6 +9,9 @@ PYTHON_NEWEST ?= $(shell for p in python3.13 $(HOME)/.pyenv/versions/3.13*/bin/p
 
 VENV := .venv
 NEWEST := .venv-newest
+BENCH := .venv-bench
+# What the benchmark compares with and draws with, beside what requirements-dev.txt has; what cannot be had is left out.
+BENCH_PEERS := matplotlib==3.11.2 meshlib==3.1.4.297 libigl==2.6.3
 BIN := $(VENV)/bin
 WHEELS := dist/wheels
 STEP = @printf '\n=== %s\n'
@@ -23,7 +26,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help setup dev demo images test test-rust test-native test-addon test-newest test-package test-render \
-    fmt lint wheel extension clean
+    bench fmt lint wheel extension clean
 
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -46,6 +49,15 @@ $(NEWEST)/.requirements.stamp: requirements-dev.txt
 	@$(PYTHON_NEWEST) -m venv $(NEWEST)
 	$(NEWEST)/bin/pip install --only-binary :all: -r requirements-dev.txt
 	@$(NEWEST)/bin/python blender_scripts/check_blender.py
+	@touch $@
+
+$(BENCH)/.requirements.stamp: requirements-dev.txt Makefile
+	$(STEP) "Setting up $(BENCH) with the libraries that the benchmark compares with"
+	@$(PYTHON) -m venv $(BENCH)
+	$(BENCH)/bin/pip install --only-binary :all: -c requirements-dev.txt numpy scipy potpourri3d pygeodesic pytest
+	@for peer in $(BENCH_PEERS); do \
+	    $(BENCH)/bin/pip install --only-binary :all: -c requirements-dev.txt $$peer || echo "no $$peer here: left out"; \
+	done
 	@touch $@
 
 # --- building ---------------------------------------------------------------------------------------------
@@ -120,6 +132,21 @@ test-newest: $(NEWEST)/.wheel.stamp ## tests of the wheel, the add-on and the pa
 	$(NEWEST)/bin/python -m pytest tests/package
 endif
 
+# --- measuring --------------------------------------------------------------------------------------------
+
+bench: $(BENCH)/.requirements.stamp $(WHEELS)/.built.stamp ## us and other libraries on the same queries, into docs/benchmarks.md (QUICK=1: small meshes, into out/bench)
+	$(BENCH)/bin/pip install --quiet --force-reinstall --no-deps --no-index $(WHEELS)/*.whl
+ifdef QUICK
+	$(STEP) "Benchmarks, quick"
+	PYTHONPATH=tests $(BENCH)/bin/python -m bench --size quick --output out/bench --page out/bench/benchmarks.md --images out/bench
+else
+	$(STEP) "Benchmarks of the parts"
+	cargo bench --locked -p smooth-polylines-core --bench parts
+	$(STEP) "Benchmarks beside other libraries"
+	PYTHONPATH=tests $(BENCH)/bin/python -m bench --output out/bench --page docs/benchmarks.md --images docs/images \
+	    --criterion $(or $(CARGO_TARGET_DIR),target)/criterion
+endif
+
 fmt: $(VENV)/.requirements.stamp ## format Rust and Python
 	cargo fmt --all
 	$(BIN)/ruff check --fix --select I .
@@ -135,4 +162,4 @@ lint: $(VENV)/.requirements.stamp ## formats, clippy, rustdoc, ruff: no change, 
 
 clean: ## remove everything that was built, and the virtual environments
 	cargo clean
-	rm -rf $(VENV) $(NEWEST) dist out .pytest_cache .ruff_cache
+	rm -rf $(VENV) $(NEWEST) $(BENCH) dist out .pytest_cache .ruff_cache

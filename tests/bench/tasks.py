@@ -1,0 +1,173 @@
+"""What is timed on one mesh: opening it, step B, geodesic lines, closed and dragged lines, a stroke.
+
+Each function returns rows, one a query: {"task", "query", "samples": {contender: Samples as dict}}. Holds no figures.
+"""
+
+import itertools
+import time
+from dataclasses import asdict
+
+import smooth_polylines as sp
+from bench.ladder import DRAGGED
+from bench.peers import MeshLib, Ours, Potpourri3d, PyGeodesic, PyVista
+from bench.timing import alternate, time_once
+
+OPENERS = ("ours", "MeshLib", "potpourri3d", "libigl")
+CLOSED_FILTERS = ("cubic", "fair", "geodesic")
+# A line's cost over its length: goals at these shares of the way to the far end.
+LENGTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
+# MeshLib's sweeps are told to stop only where nothing moves any more.
+TO_CONVERGENCE = 100_000
+
+
+class Timer:
+    """Times the tasks of one mesh; `rounds` turns a query, `budget` seconds at most for one query."""
+
+    def __init__(self, rung, peers, rounds, budget):
+        self.rung, self.rounds, self.budget = rung, rounds, budget
+        self.openers = [peer for peer in peers if peer.name in OPENERS]
+        is_small = len(rung.triangles) <= PyGeodesic.most_triangles
+        with_lines = [peer for peer in peers if hasattr(peer, "path") and (is_small or peer is not PyGeodesic)]
+        self.opened = {peer.name: peer(rung.positions, rung.triangles) for peer in with_lines}
+        self.ours = self.opened[Ours.name]
+        self.rows = []
+
+    def run(self):
+        """All tasks, in an order that leaves caches alike for everybody."""
+        for task in (self.open, self.step_b, self.straighten, self.geodesic, self.pinned, self.ask_again):
+            task()
+        for task in (self.closed, self.dragged, self.stroke):
+            task()
+        return self.rows
+
+    def add(self, task, query, contenders, rounds=None):
+        samples = alternate(contenders, rounds or self.rounds, self.budget)
+        self.rows.append({"task": task, "query": query, "samples": {n: asdict(s) for n, s in samples.items()}})
+
+    def peers(self, *classes):
+        return {name: library for name, library in self.opened.items() if isinstance(library, classes)}
+
+    def open(self):
+        arrays = self.rung.positions, self.rung.triangles
+        self.add("open", 0, {peer.name: lambda peer=peer: peer(*arrays) for peer in self.openers})
+
+    def asks(self, method, libraries, vertices):
+        """Contenders that call `method` of each library with the vertices, prepared beforehand."""
+        prepared = {name: library.prepare(self.rung, vertices) for name, library in libraries.items()}
+        return {name: lambda n=name, lib=lib: getattr(lib, method)(prepared[n]) for name, lib in libraries.items()}
+
+    def step_b(self):
+        libraries = self.peers(Ours, MeshLib)
+        for task, pairs in (("near", self.rung.near), ("across", self.rung.across)):
+            for query, pair in enumerate(pairs):
+                self.add(f"step B, {task}", query, self.asks("step_b", libraries, pair))
+        ring = [*self.rung.ring, self.rung.ring[0]]
+        self.add("step B, ring", 0, self.asks("step_b", libraries, ring))
+
+    def geodesic(self):
+        for query, pair in enumerate(self.rung.near):
+            self.add("geodesic, near", query, self.asks("path", self.peers(Ours, MeshLib, Potpourri3d, PyVista), pair))
+        for query, pair in enumerate(self.rung.across):
+            self.add("geodesic, across", query, self.asks("path", self.peers(Ours, MeshLib, Potpourri3d), pair))
+        slow = self.peers(Ours, PyGeodesic, PyVista)
+        if len(slow) > 1:
+            self.add("geodesic, beside slow ones", 0, self.asks("path", slow, self.rung.across[0]), rounds=3)
+
+    def pinned(self):
+        libraries = self.peers(Ours, MeshLib, Potpourri3d)
+        self.add("10 picks", 0, self.asks("path", libraries, self.rung.line))
+        self.add("30 picks in a ring", 0, self.asks("ring", libraries, self.rung.ring))
+
+    def ask_again(self):
+        """The first line across on a mesh just opened, and the same once more."""
+        samples = {name: {"cpu": [], "wall": []} for name in ("first", "again")}
+        for pair in self.rung.across[:3]:
+            fresh = Ours(self.rung.positions, self.rung.triangles)
+            picks = fresh.prepare(self.rung, pair)
+            for name in samples:
+                cpu, wall = time_once(lambda fresh=fresh, picks=picks: fresh.path(picks), 1)
+                samples[name]["cpu"].append(cpu)
+                samples[name]["wall"].append(wall)
+        self.rows.append({"task": "asked again", "query": 0, "samples": samples})
+
+    def straighten(self):
+        """Steps C and D alone: ours by its own clock, MeshLib's reducePath to convergence. Both in wall time."""
+        theirs = self.opened.get(MeshLib.name)
+        if theirs is None:
+            return
+        for query, pair in enumerate(self.rung.across):
+            our_picks, their_picks = self.ours.prepare(self.rung, pair), theirs.prepare(self.rung, pair)
+            walls = {Ours.name: [], MeshLib.name: []}
+            for _ in range(self.rounds):
+                seconds = self.ours.path(our_picks).report.seconds
+                walls[Ours.name].append(1e3 * (seconds["relax"] + seconds["vertex_pass"]))
+                (path,) = theirs.step_b(their_picks)
+                began = time.perf_counter()
+                theirs.library.reducePath(theirs.mesh, their_picks[0], path, their_picks[1], TO_CONVERGENCE)
+                walls[MeshLib.name].append(1e3 * (time.perf_counter() - began))
+            samples = {name: {"cpu": wall, "wall": wall} for name, wall in walls.items()}
+            self.rows.append({"task": "steps C and D, across", "query": query, "samples": samples})
+
+    def closed(self):
+        picks = self.ours.prepare(self.rung, self.rung.ring)
+        self.add("closed, 30 picks", 0, {name: self.closed_line(picks, name) for name in CLOSED_FILTERS})
+
+    def closed_line(self, picks, filter_name):
+        def run():
+            try:
+                return self.ours.mesh.polyline(picks, filter=filter_name, closed=True)
+            except sp.CollapsedError:
+                return None  # legal: nothing holds it; the time is that of finding out
+
+        return run
+
+    def closed_outcomes(self):
+        """How the closed lines ended: stop reason and crossings, or that they collapsed."""
+        picks = self.ours.prepare(self.rung, self.rung.ring)
+        lines = {name: self.closed_line(picks, name)() for name in CLOSED_FILTERS}
+        return {n: "collapsed" if x is None else [x.report.stop_reason, len(x.points)] for n, x in lines.items()}
+
+    def dragged(self):
+        """One pick of ten to and fro between two neighbours; whole lines but MeshLib's, which asks two segments again."""
+        both = [self.ours.prepare(self.rung, line) for line in (self.rung.dragged_line, self.rung.line)]
+
+        def ours(**options):
+            turns = itertools.cycle(both)
+            return lambda: self.ours.mesh.polyline(next(turns), pinned="all", **options)
+
+        contenders = {name: ours(filter=name) for name in ("geodesic", "fair", "cubic")}
+        theirs = self.opened.get(MeshLib.name)
+        if theirs is not None:
+            stretch = slice(DRAGGED - 1, DRAGGED + 2)
+            lines = [theirs.prepare(self.rung, line[stretch]) for line in (self.rung.dragged_line, self.rung.line)]
+            turns = itertools.cycle(lines)
+            contenders["MeshLib, geodesic, two segments"] = lambda: theirs.path(next(turns))
+        self.add("a dragged pick", 0, contenders)
+
+    def stroke(self):
+        drawn, mesh = self.rung.drawn, self.ours.mesh
+        names = ("none", "cubic", "fair")
+        runs = {name: lambda name=name: mesh.stroke(drawn, closed=True, filter=name) for name in names}
+        self.add("a stroke of 2000 points", 0, runs)
+
+
+def time_by_length(timer):
+    """Milliseconds of lines of ever more crossings on one mesh: rows with "crossings" and CPU medians a contender."""
+    rung, mesh = timer.rung, timer.ours.mesh
+    start, goal = rung.across[0]
+    way = timer.ours.path(timer.ours.prepare(rung, [start, goal]))
+    corners = rung.triangles[way.triangles]
+    stops = [int(corners[round(share * (len(corners) - 1))][0]) for share in LENGTH_SHARES[:-1]]
+    rows = []
+    for stop in dict.fromkeys([*stops, goal]):
+        if stop == start:
+            continue
+        pair = [start, stop]
+        contenders = timer.asks("path", timer.peers(MeshLib, Potpourri3d), pair)
+        picks = timer.ours.prepare(rung, pair)
+        for name in ("none", "geodesic", "linear", "cubic", "fair"):
+            contenders[f"ours, {name}"] = lambda name=name, picks=picks: mesh.polyline(picks, filter=name)
+        crossings = len(mesh.polyline(picks, filter="geodesic").points)
+        samples = alternate(contenders, 3, timer.budget)
+        rows.append({"crossings": crossings, "cpu": {n: sorted(s.cpu)[len(s.cpu) // 2] for n, s in samples.items()}})
+    return rows
