@@ -14,8 +14,8 @@ from bench.peers import Ours, find_installed, version_of
 from bench.quality import MOST_TRIANGLES, judge_lines
 from bench.tasks import Timer, time_by_length
 
-# Names of meshes, rounds, seconds that one query may take, and triangles from which memory is measured: on fewer only the
-# process's own grain shows.
+# Names of meshes, rounds, seconds that one query may take, and triangles from which memory is measured: on fewer only
+# the process's own grain shows.
 SIZES = {
     "full": (ladder.SHARED, 7, 8.0, 50_000),
     "quick": (ladder.SHARED[:3], 3, 1.0, 50_000),

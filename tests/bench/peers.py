@@ -1,22 +1,24 @@
 """One class a library: how it opens a mesh and answers between vertices. Ours is one of them.
 
-A library that is not installed is left out and named. Every answer is the library's own object; `trace` turns it into
-points with the mesh vertices that each hangs on. Holds no timing.
+A library that is not installed is left out and named. Every answer is the library's own object; `points` makes an array
+of it, or `place` tells triangles and barycentric parts where the library knows them. Holds no timing.
 """
 
 import importlib
 from importlib import metadata
+from itertools import pairwise
 
 import numpy as np
 
 import smooth_polylines as sp
 
-# What lies nearer to a side or a corner than this, in barycentric units, counts as on it: other libraries give points only.
+# What lies nearer to a side or a corner than this, in barycentric units, counts as on it: other libraries give points
+# only.
 SNAP = 1e-6
 
 
 class Ours:
-    """This library; `mesh` is its own object, for what only it can do."""
+    """Our library; `mesh` is its own object, for what only it can do."""
 
     name, distribution, module = "ours", "smooth-polylines", "smooth_polylines"
     eps = np.finfo(np.float64).eps
@@ -36,12 +38,6 @@ class Ours:
     def step_b(self, picks):
         return self.mesh.polyline(picks, filter="none", pinned="all")
 
-    def length(self, line):
-        return line.length
-
-    def trace(self, line):
-        return line.points, line.triangles, line.barycentric
-
 
 class MeshLib:
     """MeshLib: A* along edges, then its reducePath, with its own limit of 100 sweeps. Single precision."""
@@ -59,21 +55,31 @@ class MeshLib:
 
     def path(self, picks):
         find = self.library.computeGeodesicPath
-        return [find(self.mesh, a, b, self.start_by) for a, b in zip(picks, picks[1:], strict=False)]
+        return [find(self.mesh, a, b, self.start_by) for a, b in pairwise(picks)]
 
     def ring(self, picks):
         return self.path([*picks, picks[0]])
 
     def step_b(self, picks):
         find = self.library.computeGeodesicPathApprox
-        return [find(self.mesh, a, b, self.start_by) for a, b in zip(picks, picks[1:], strict=False)]
+        return [find(self.mesh, a, b, self.start_by) for a, b in pairwise(picks)]
 
-    def points(self, paths, picks):
-        corners = [self.mesh.triPoint(pick) for pick in picks]
-        rows = [corners[0]]
-        for path, end in zip(paths, corners[1:], strict=True):
-            rows += [self.mesh.edgePoint(point) for point in path] + [end]
-        return np.array([[p.x, p.y, p.z] for p in rows], dtype=np.float64)
+    def place(self, paths, rung, pair):
+        """Triangles and barycentric parts of a line between two vertices: its own edges and parameters."""
+        topology = self.mesh.topology
+        ends = [first_corner(rung, vertex) for vertex in pair]
+        rows = [ends[0]]
+        for point in paths[0]:
+            edge = point.e if topology.left(point.e).valid() else point.e.sym()
+            share = float(point.a.a) if edge == point.e else 1 - float(point.a.a)
+            triangle = int(topology.left(edge))
+            corners = rung.triangles[triangle].tolist()
+            parts = np.zeros(3)
+            parts[corners.index(int(topology.org(edge)))] = 1 - share
+            parts[corners.index(int(topology.dest(edge)))] = share
+            rows.append((triangle, parts))
+        triangles, parts = zip(*rows, ends[1], strict=True)
+        return np.array(triangles), snap(np.array(parts))
 
 
 class Potpourri3d:
@@ -96,7 +102,7 @@ class Potpourri3d:
     def ring(self, picks):
         return self.solver.find_geodesic_path_poly([*picks, picks[0]])
 
-    def points(self, answer, picks):
+    def points(self, answer):
         return answer
 
 
@@ -117,7 +123,7 @@ class PyGeodesic:
     def path(self, picks):
         return self.solver.geodesicDistance(*picks)[1][::-1]
 
-    def points(self, answer, picks):
+    def points(self, answer):
         return answer
 
 
@@ -136,7 +142,7 @@ class PyVista:
     def path(self, picks):
         return self.mesh.geodesic(*picks)
 
-    def points(self, answer, picks):
+    def points(self, answer):
         return np.asarray(answer.points, dtype=np.float64)
 
 
@@ -168,10 +174,15 @@ def version_of(peer):
     return metadata.version(peer.distribution)
 
 
-def surface_point(rung, vertex):
-    """A vertex as a pick of ours, through the first triangle that has it."""
+def first_corner(rung, vertex):
+    """A vertex as a triangle that has it, the first, and barycentric parts."""
     triangle, corner = divmod(int(np.flatnonzero(rung.triangles.ravel() == vertex)[0]), 3)
-    return sp.SurfacePoint(triangle, np.eye(3)[corner])
+    return triangle, np.eye(3)[corner]
+
+
+def surface_point(rung, vertex):
+    """A vertex as a pick of ours."""
+    return sp.SurfacePoint(*first_corner(rung, vertex))
 
 
 def length_of(points):
@@ -181,5 +192,9 @@ def length_of(points):
 def place_points(mesh, points):
     """Triangles and snapped barycentric parts of points on our `mesh`, for libraries that give points alone."""
     found = mesh.closest_points(np.ascontiguousarray(points, dtype=np.float64))
-    parts = np.where(found.barycentric < SNAP, 0.0, found.barycentric)
-    return found.triangles, parts / parts.sum(axis=1, keepdims=True)
+    return found.triangles, snap(found.barycentric)
+
+
+def snap(parts):
+    parts = np.where(parts < SNAP, 0.0, parts)
+    return parts / parts.sum(axis=1, keepdims=True)

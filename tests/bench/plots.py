@@ -25,6 +25,7 @@ def draw(results, folder):
 
 def draw_by_mesh(results, path):
     from matplotlib import pyplot
+    from matplotlib.ticker import NullFormatter
 
     figure, axes = pyplot.subplots(1, len(TASKS), figsize=(3 * len(TASKS), 3.2), sharey=True)
     for axis, task in zip(axes, TASKS, strict=True):
@@ -35,6 +36,7 @@ def draw_by_mesh(results, path):
                 axis.loglog(*zip(*found, strict=True), color=colour, marker=marker, linewidth=width, label=name)
         axis.set_title(task, fontsize=10)
         axis.set_xlabel("triangles")
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(alpha=0.3)
     axes[0].set_ylabel("CPU time, ms")
     axes[0].legend(fontsize=8)

@@ -3,6 +3,7 @@
 The turns are judged by the tests' own judge, which knows no library. Holds no timing.
 """
 
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -29,11 +30,16 @@ def judge_lines(rung, opened):
             picks = library.prepare(rung, pair)
             answer = library.path(picks)
             if isinstance(library, Ours):
-                points, line = answer.points, answer
+                line, length = answer, answer.length
+            elif hasattr(library, "place"):
+                triangles, barycentric = library.place(answer, rung, pair)
+                points = np.einsum("nc,nci->ni", barycentric, rung.positions[rung.triangles[triangles]])
+                line, length = as_line(judge, points, triangles, barycentric), length_of(points)
             else:
-                points = np.asarray(library.points(answer, picks), dtype=np.float64)
-                line = as_line(judge, opened[Ours.name].mesh, points)
-            lines[name].append(length_of(points))
+                points = np.asarray(library.points(answer), dtype=np.float64)
+                placed = place_points(opened[Ours.name].mesh, points)
+                line, length = as_line(judge, points, *placed), length_of(points)
+            lines[name].append(length)
             if line is None:
                 turns[name]["unplaced"] += 1
                 continue
@@ -50,14 +56,13 @@ def turns_of(judge, line, eps):
             yield kind, float(np.degrees(max(0.0, bend - noise)))
 
 
-def as_line(judge, mesh, points):
+def as_line(judge, points, triangles, barycentric):
     """Points of another library with the triangles that hold them; None where two neighbours have none in common."""
-    step = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    points = points[np.concatenate([[True], step > 0])]
-    triangles, barycentric = place_points(mesh, points)
+    differs = np.concatenate([[True], np.linalg.norm(np.diff(points, axis=0), axis=1) > 0])
+    points, triangles, barycentric = points[differs], triangles[differs], barycentric[differs]
     supports = [frozenset(judge.checker.support(int(t), b)) for t, b in zip(triangles, barycentric, strict=True)]
     segments = []
-    for one, other in zip(supports, supports[1:], strict=False):
+    for one, other in pairwise(supports):
         both = one | other
         held = [t for t in judge.around[next(iter(one))] if both <= judge.checker.corners(t)]
         if not held:

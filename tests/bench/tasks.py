@@ -10,12 +10,15 @@ from dataclasses import asdict
 import smooth_polylines as sp
 from bench.ladder import DRAGGED
 from bench.peers import MeshLib, Ours, Potpourri3d, PyGeodesic, PyVista
-from bench.timing import alternate, time_once
+from bench.timing import alternate
 
 OPENERS = ("ours", "MeshLib", "potpourri3d", "libigl")
 CLOSED_FILTERS = ("cubic", "fair", "geodesic")
 # A line's cost over its length: goals at these shares of the way to the far end.
 LENGTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
+# Steps of a search, for each triangle, after which ours has chosen landmarks (POPS_BEFORE_LANDMARKS in search.rs, and
+# some more).
+POPS_OFTEN = 34
 # MeshLib's sweeps are told to stop only where nothing moves any more.
 TO_CONVERGENCE = 100_000
 
@@ -34,10 +37,10 @@ class Timer:
 
     def run(self):
         """All tasks, in an order that leaves caches alike for everybody."""
-        for task in (self.open, self.step_b, self.straighten, self.geodesic, self.pinned, self.ask_again):
+        for task in (self.open, self.step_b, self.straighten, self.geodesic, self.pinned, self.closed, self.dragged):
             task()
-        for task in (self.closed, self.dragged, self.stroke):
-            task()
+        self.stroke()
+        self.ask_often()
         return self.rows
 
     def add(self, task, query, contenders, rounds=None):
@@ -56,11 +59,16 @@ class Timer:
         prepared = {name: library.prepare(self.rung, vertices) for name, library in libraries.items()}
         return {name: lambda n=name, lib=lib: getattr(lib, method)(prepared[n]) for name, lib in libraries.items()}
 
+    def fresh(self, *classes):
+        """The libraries with a mesh of ours that nothing was asked of: no landmarks yet."""
+        return {**self.peers(*classes), Ours.name: Ours(self.rung.positions, self.rung.triangles)}
+
     def step_b(self):
         libraries = self.peers(Ours, MeshLib)
-        for task, pairs in (("near", self.rung.near), ("across", self.rung.across)):
-            for query, pair in enumerate(pairs):
-                self.add(f"step B, {task}", query, self.asks("step_b", libraries, pair))
+        for query, pair in enumerate(self.rung.near):
+            self.add("step B, near", query, self.asks("step_b", libraries, pair))
+        for query, pair in enumerate(self.rung.across):
+            self.add("step B, across", query, self.asks("step_b", self.fresh(MeshLib), pair))
         ring = [*self.rung.ring, self.rung.ring[0]]
         self.add("step B, ring", 0, self.asks("step_b", libraries, ring))
 
@@ -68,7 +76,7 @@ class Timer:
         for query, pair in enumerate(self.rung.near):
             self.add("geodesic, near", query, self.asks("path", self.peers(Ours, MeshLib, Potpourri3d, PyVista), pair))
         for query, pair in enumerate(self.rung.across):
-            self.add("geodesic, across", query, self.asks("path", self.peers(Ours, MeshLib, Potpourri3d), pair))
+            self.add("geodesic, across", query, self.asks("path", self.fresh(MeshLib, Potpourri3d), pair))
         slow = self.peers(Ours, PyGeodesic, PyVista)
         if len(slow) > 1:
             self.add("geodesic, beside slow ones", 0, self.asks("path", slow, self.rung.across[0]), rounds=3)
@@ -78,17 +86,17 @@ class Timer:
         self.add("10 picks", 0, self.asks("path", libraries, self.rung.line))
         self.add("30 picks in a ring", 0, self.asks("ring", libraries, self.rung.ring))
 
-    def ask_again(self):
-        """The first line across on a mesh just opened, and the same once more."""
-        samples = {name: {"cpu": [], "wall": []} for name in ("first", "again")}
-        for pair in self.rung.across[:3]:
-            fresh = Ours(self.rung.positions, self.rung.triangles)
-            picks = fresh.prepare(self.rung, pair)
-            for name in samples:
-                cpu, wall = time_once(lambda fresh=fresh, picks=picks: fresh.path(picks), 1)
-                samples[name]["cpu"].append(cpu)
-                samples[name]["wall"].append(wall)
-        self.rows.append({"task": "asked again", "query": 0, "samples": samples})
+    def ask_often(self):
+        """The pairs across once more, after so many lines that a large mesh has chosen landmarks."""
+        libraries, pops = self.peers(Ours, MeshLib), 0
+        picks = [self.ours.prepare(self.rung, pair) for pair in self.rung.across]
+        for pair in itertools.cycle(picks):
+            pops += self.ours.step_b(pair).report.pops
+            if pops > POPS_OFTEN * len(self.rung.triangles):
+                break
+        for query, pair in enumerate(self.rung.across):
+            self.add("step B, across, asked often", query, self.asks("step_b", libraries, pair))
+            self.add("geodesic, across, asked often", query, self.asks("path", libraries, pair))
 
     def straighten(self):
         """Steps C and D alone: ours by its own clock, MeshLib's reducePath to convergence. Both in wall time."""
@@ -128,7 +136,7 @@ class Timer:
         return {n: "collapsed" if x is None else [x.report.stop_reason, len(x.points)] for n, x in lines.items()}
 
     def dragged(self):
-        """One pick of ten to and fro between two neighbours; whole lines but MeshLib's, which asks two segments again."""
+        """One pick of ten to and fro between two neighbours; whole lines, but two segments of MeshLib's."""
         both = [self.ours.prepare(self.rung, line) for line in (self.rung.dragged_line, self.rung.line)]
 
         def ours(**options):
