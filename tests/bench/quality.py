@@ -49,9 +49,11 @@ def judge_lines(rung, opened):
 
 
 def turns_of(judge, line, eps):
-    """Kind and degrees of each turn that rounding cannot explain."""
-    for _, kind, bend, slack in judge.bends(line):
-        noise = slack * eps / Ours.eps
+    """Kind and degrees of each turn that rounding cannot explain; `eps` is that of the library's own numbers."""
+    size, points = np.abs(judge.positions).max(), np.asarray(line.points)
+    for i, kind, bend, slack in judge.bends(line):
+        shorter = np.linalg.norm(points[[i - 1, (i + 1) % len(points)]] - points[i], axis=1).min()
+        noise = max(slack, 8 * eps * size / shorter) if shorter > 0 else np.inf
         if noise < MOST_NOISE and kind in ("edge", "vertex"):
             yield kind, float(np.degrees(max(0.0, bend - noise)))
 
