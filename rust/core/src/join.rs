@@ -4,11 +4,13 @@
 
 use crate::error::{Error, OptionError, Result};
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, Pinned, Solver};
 use crate::report::{Observer, Report};
-use crate::route::{Leg, Route, Spot, join_at, spot_of, triangles_round};
+use crate::route::Route;
 use crate::search::SearchEnd;
+use crate::spot::{Spot, join_at, spot_of, triangles_round};
 use crate::surface_point::{Pick, SurfacePoint};
 use crate::window_search::find_taut_strip;
 

@@ -7,9 +7,11 @@ use glam::DVec3;
 
 use crate::error::OptionError;
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::report::Report;
-use crate::route::{Leg, Route, Spot, crossing_point, crossing_spot, spot_of, triangles_round};
+use crate::route::Route;
+use crate::spot::{Spot, crossing_point, crossing_spot, spot_of, triangles_round};
 use crate::strip::{decode_word, encode_word, entered_triangle};
 use crate::surface_point::SurfacePoint;
 

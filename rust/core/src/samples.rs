@@ -6,8 +6,10 @@
 use glam::DVec3;
 
 use crate::ids::TriangleId;
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
-use crate::route::{Leg, Route, crossing_point, in_triangle};
+use crate::route::Route;
+use crate::spot::{crossing_point, in_triangle};
 use crate::strip::{entered_triangle, push_reduced};
 use crate::surface_point::SurfacePoint;
 use crate::trace::moved_inside;

@@ -12,8 +12,9 @@
 use glam::DVec3;
 
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
-use crate::route::{Leg, crossing_position, spot_of};
+use crate::spot::{crossing_position, spot_of};
 use crate::surface_point::SurfacePoint;
 
 /// A walk may be this many times as long as the straight line through space. Half a turn round a ball is 1.6; what is

@@ -9,7 +9,8 @@ use crate::ids::TriangleId;
 use crate::mesh::SurfaceMesh;
 use crate::polyline::Polyline;
 use crate::report::Report;
-use crate::route::{Route, in_triangle};
+use crate::route::Route;
+use crate::spot::in_triangle;
 
 /// Self-crossings of a line. Cost: O(n log n) for n segments, and quadratic in how many share one triangle.
 pub fn count_self_crossings(mesh: &SurfaceMesh, route: &Route) -> usize {

@@ -20,7 +20,8 @@ use crate::relax::beads::Beads;
 use crate::relax::funnel::{Funnel, shortest_crossings};
 use crate::relax::heap::relax_by_heap;
 use crate::report::Report;
-use crate::route::{Route, crossing_position, parameter_at};
+use crate::route::Route;
+use crate::spot::{crossing_position, parameter_at};
 use crate::unfold::Unfolding;
 use crate::vertex_pass::{ANGLE_SLACK, Run, angle_between, measure_sides, other_side_word};
 

@@ -7,12 +7,13 @@ use glam::DVec3;
 use crate::error::Result;
 use crate::filter::closed_geodesic::straighten_loop;
 use crate::filter::geodesic::{GeodesicLeg, Workspace};
+use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step, StopReason};
-use crate::route::{Leg, Route};
+use crate::route::Route;
 use crate::smooth::go_on;
 
 /// Rounds that a line of `letters` crossings may take without a limit of the caller's: measured lines take up to 170

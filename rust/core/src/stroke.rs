@@ -11,14 +11,16 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::join::{Input, Station, join_stations, no_path, place_stations, search_end};
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
 use crate::polyline::Polyline;
 use crate::report::{Observer, Report, Step};
-use crate::route::{Leg, Route, Spot, parameter_at, spot_of};
+use crate::route::Route;
 use crate::search::SearchEnd;
 use crate::section::{WalkEnd, walk_straight};
 use crate::smooth::{go_on, smooth_input};
+use crate::spot::{Spot, parameter_at, spot_of};
 use crate::surface_point::{Pick, SurfacePoint};
 
 /// What messages call the points of a stroke.

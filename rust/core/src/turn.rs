@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::mesh::SurfaceMesh;
-use crate::route::Spot;
+use crate::spot::Spot;
 use crate::vertex_pass::{angle_between, corner_angle};
 
 /// A way through a point: a triangle and a direction in its plane.

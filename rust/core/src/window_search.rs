@@ -20,8 +20,8 @@ use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::mesh::SurfaceMesh;
 use crate::report::{Observer, Step};
-use crate::route::{Spot, spot_of, triangles_round};
 use crate::search::FoundStrip;
+use crate::spot::{Spot, spot_of, triangles_round};
 use crate::surface_point::SurfacePoint;
 use crate::window::{FlatTriangle, Window};
 

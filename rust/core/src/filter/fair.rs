@@ -23,12 +23,14 @@ use glam::{DMat2, DVec2, DVec3};
 
 use crate::cone::Cones;
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::relax::banded::Banded;
 use crate::report::Report;
-use crate::route::{Leg, Route, spot_of};
+use crate::route::Route;
 use crate::samples::Samples;
 use crate::span::{Span, SpanWork};
+use crate::spot::spot_of;
 use crate::surface_point::SurfacePoint;
 use crate::trace::trace;
 use crate::turn::{Heading, Turn, turn_at};

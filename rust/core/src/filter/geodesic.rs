@@ -15,10 +15,11 @@ use glam::{DVec2, DVec3};
 
 use crate::chain::{Chain, END, START};
 use crate::ids::{HalfedgeId, VertexId};
+use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::relax::funnel::{Funnel, cross_portal};
 use crate::report::Report;
-use crate::route::{Leg, Spot, parameter_at, spot_of};
+use crate::spot::{Spot, parameter_at, spot_of};
 use crate::surface_point::SurfacePoint;
 use crate::unfold::Unfolding;
 use crate::vertex_pass::{ANGLE_SLACK, angle_between, measure_sides, other_side_word};
