@@ -37,7 +37,7 @@ struct Bounds {
     high: DVec3,
 }
 
-/// The tree. Level 0 are the boxes of the leaves; each further level has one box for [`BRANCHES`] of the one before.
+/// The tree. Level 0 are the boxes of the leaves; each further level has one box for `BRANCHES` of the one before.
 #[derive(Debug)]
 pub struct TriangleTree {
     levels: Vec<Vec<Bounds>>,
