@@ -15,10 +15,9 @@
 //!
 //! Holds no line: one vertex at a time, and a cache of them.
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use crate::ids::{HalfedgeId, VertexId};
+use crate::ids::HalfedgeId;
 use crate::mesh::SurfaceMesh;
 use crate::vertex_pass::corner_angle;
 
@@ -70,12 +69,22 @@ impl Cone {
 /// Cones that were asked for, each measured once.
 #[derive(Clone, Debug, Default)]
 pub struct Cones {
-    known: HashMap<VertexId, Cone>,
+    /// For each mesh vertex 1 + its place in `known`, 0 for none: zeroed memory that is not touched costs nothing.
+    places: Vec<u32>,
+    known: Vec<Cone>,
 }
 
 impl Cones {
     /// The cone at the vertex that `spoke` begins at.
     pub fn get(&mut self, mesh: &SurfaceMesh, spoke: HalfedgeId) -> Cone {
-        *self.known.entry(mesh.ends(spoke)[0]).or_insert_with(|| Cone::at(mesh, spoke))
+        let vertex = mesh.ends(spoke)[0].index();
+        if self.places.is_empty() {
+            self.places = vec![0; mesh.positions().len()];
+        }
+        if self.places[vertex] == 0 {
+            self.known.push(Cone::at(mesh, spoke));
+            self.places[vertex] = self.known.len() as u32;
+        }
+        self.known[self.places[vertex] as usize - 1]
     }
 }
