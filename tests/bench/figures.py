@@ -108,6 +108,7 @@ def memory(results, parts):
 
 
 M, MS = "of MeshLib's", "ms"
+COARSE = "cubic, threshold 1e-2"
 TARGETS = (
     Target("twins and defects (igea)", "of libigl's", 0.40, 0.25, twins),
     Target("open a mesh, ready to search", M, 0.45, 0.30, mean_of("open")),
@@ -120,8 +121,12 @@ TARGETS = (
     Target("geodesic, across, asked often", M, 0.4, 0.3, mean_of("geodesic, across, asked often")),
     Target("10 and 30 picks, pinned", M, 0.6, 0.35, both_rings),
     Target("closed, 30 picks, cubic (igea)", MS, 50, 15, last_of("closed, 30 picks", "cubic", "igea")),
+    Target("the same with threshold 1e-2", MS, 50, 15, last_of("closed, 30 picks", COARSE, "igea")),
     Target("a dragged pick, fair (largest)", MS, 8, 2, last_of("a dragged pick", "fair")),
     Target("a dragged pick, cubic (largest)", MS, 8, 2, last_of("a dragged pick", "cubic")),
-    Target("a stroke of 2000 points, cubic (igea)", MS, 50, 50, last_of("a stroke of 2000 points", "cubic", "igea")),
+    Target("the same with threshold 1e-2", MS, 8, 2, last_of("a dragged pick", COARSE)),
+    Target("a stroke of 2000 points, fair (igea)", MS, 50, 50, last_of("a stroke of 2000 points", "fair", "igea")),
+    Target("the same, cubic", MS, 50, 50, last_of("a stroke of 2000 points", "cubic", "igea")),
+    Target("the same, cubic with threshold 1e-2", MS, 50, 50, last_of("a stroke of 2000 points", COARSE, "igea")),
     Target("memory (largest)", "B a triangle", 110, 80, memory),
 )

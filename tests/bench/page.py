@@ -8,6 +8,7 @@ import os
 import numpy as np
 
 from bench import figures
+from bench.tasks import SMOOTH_BY
 
 BEGIN = "<!-- measured: what follows is written by `make bench` -->"
 END = "<!-- /measured -->"
@@ -17,9 +18,9 @@ TASKS = (
 )  # fmt: skip
 PEERS = ("MeshLib", "potpourri3d", "libigl")
 OUR_TASKS = (
-    ("closed, 30 picks", ("cubic", "fair", "geodesic")),
-    ("a dragged pick", ("cubic", "fair", "geodesic", "MeshLib, geodesic, two segments")),
-    ("a stroke of 2000 points", ("none", "cubic", "fair")),
+    ("closed, 30 picks", tuple(SMOOTH_BY)),
+    ("a dragged pick", (*SMOOTH_BY, "MeshLib, geodesic, two segments")),
+    ("a stroke of 2000 points", ("none", *(name for name in SMOOTH_BY if name != "geodesic"))),
 )
 
 
