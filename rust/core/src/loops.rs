@@ -19,19 +19,17 @@ const DISC_TRIANGLES_PER_LETTER: usize = 64;
 /// See [`DISC_TRIANGLES_PER_LETTER`].
 const DISC_FLOOR: usize = 4096;
 
-/// The triangles that the strip of each leg visits more than once.
+/// The triangles that the strip of each leg visits more than once, in order of their ids.
 #[derive(Clone, Debug, Default)]
 pub struct OwnRepeats {
-    repeated: Vec<HashSet<TriangleId>>,
+    repeated: Vec<Vec<TriangleId>>,
 }
 
 impl OwnRepeats {
     /// Notes what step B's strip repeats.
     pub fn of_route(mesh: &SurfaceMesh, route: &Route) -> Self {
         let of_leg = |word: &[HalfedgeId], first: TriangleId| {
-            let mut seen = HashSet::new();
-            let triangles = strip_once(mesh, first, word, route.pins.is_empty());
-            triangles.into_iter().filter(|&t| !seen.insert(t)).collect()
+            repeats_of(&mut strip_once(mesh, first, word, route.pins.is_empty()))
         };
         Self { repeated: route.legs.iter().map(|leg| of_leg(&leg.word, leg.first)).collect() }
     }
@@ -59,18 +57,32 @@ fn strip_once(mesh: &SurfaceMesh, first: TriangleId, word: &[HalfedgeId], is_rin
     triangles
 }
 
+/// What is in `triangles` more than once, each once and in order; sorts them. Strips that repeat nothing are the rule, and
+/// for them this costs less than hashing.
+fn repeats_of(triangles: &mut [TriangleId]) -> Vec<TriangleId> {
+    triangles.sort_unstable();
+    let mut repeats: Vec<_> = triangles.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    repeats.dedup();
+    repeats
+}
+
 /// Letters `start..end` of the innermost new loop that bounds a disc; `start >= end` across the seam of a ring.
 fn find_new_loop(
     mesh: &SurfaceMesh,
     first: TriangleId,
     word: &[HalfedgeId],
-    own: &HashSet<TriangleId>,
+    own: &[TriangleId],
     is_ring: bool,
 ) -> Option<(usize, usize)> {
+    let triangles = strip_once(mesh, first, word, is_ring);
+    let is_own = |triangle: &TriangleId| own.binary_search(triangle).is_ok();
+    if repeats_of(&mut triangles.clone()).iter().all(is_own) {
+        return None;
+    }
     let mut last_visit: HashMap<TriangleId, usize> = HashMap::with_capacity(word.len() + 1);
-    for (i, triangle) in strip_once(mesh, first, word, is_ring).into_iter().enumerate() {
+    for (i, triangle) in triangles.into_iter().enumerate() {
         let Some(before) = last_visit.insert(triangle, i) else { continue };
-        if own.contains(&triangle) {
+        if is_own(&triangle) {
             continue;
         }
         let inner = &word[before..i];

@@ -53,6 +53,12 @@ impl Polyline {
         Some(Self { closed: route.closed, points, surface_points, segment_triangles, strip, route, report })
     }
 
+    /// The points that [`Polyline::assemble`] gives the line, and how many triangles its strip has.
+    pub fn outline(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<DVec3>, usize)> {
+        let (strip, stops) = walk(mesh, route)?;
+        Some((stops.iter().map(|s| mesh.position_of(&s.surface_point)).collect(), strip.len()))
+    }
+
     /// The length, in the units of the positions.
     pub fn length(&self) -> f64 {
         length_of(&self.points, self.closed)

@@ -4,13 +4,15 @@
 
 use std::ops::ControlFlow;
 
+use glam::DVec3;
+
 use crate::error::{Error, Result};
 use crate::filter::cubic::Cubic;
 use crate::filter::linear::Linear;
 use crate::join::{Input, join_picks};
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, Solver};
-use crate::polyline::Polyline;
+use crate::polyline::{Polyline, length_of};
 use crate::report::{Observer, Report, Step};
 use crate::route::Route;
 use crate::smooth_fair::smooth_fair;
@@ -49,11 +51,9 @@ pub fn smooth_input(
     observer: &mut dyn Observer,
 ) -> Result<Polyline> {
     let Input { mut route, is_pinned, is_drawn } = input;
-    let start = assemble(mesh, route.clone(), Report::default());
-    report.start_length = start.length();
-    report.strip_triangles = start.strip.len();
-    if options.stages {
-        report.stages.push(start.points);
+    if options.filter != Filter::None {
+        let (points, strip_triangles) = Polyline::outline(mesh, &route).expect(FITS);
+        note_start(&mut report, &points, route.closed, strip_triangles, options);
     }
     match options.filter {
         _ if route.legs.is_empty() => {}
@@ -86,7 +86,10 @@ pub fn smooth_input(
         }
     }
     go_on(observer, Step::Assemble)?;
-    let line = assemble(mesh, route, report);
+    let mut line = assemble(mesh, route, report);
+    if options.filter == Filter::None {
+        note_start(&mut line.report, &line.points, line.closed, line.strip.len(), options);
+    }
     // A single pin does not hold a closed line open.
     if line.closed && line.points.len() < 2 {
         return Err(Error::Collapsed { iterations: line.report.iterations });
@@ -94,8 +97,20 @@ pub fn smooth_input(
     Ok(line)
 }
 
+/// Notes in `report` what the line was before any smoothing.
+fn note_start(report: &mut Report, points: &[DVec3], closed: bool, strip_triangles: usize, options: &Options) {
+    report.start_length = length_of(points, closed);
+    report.strip_triangles = strip_triangles;
+    if options.stages {
+        report.stages.push(points.to_vec());
+    }
+}
+
+/// Why a route can be assembled.
+const FITS: &str = "legs of a route that the driver made fit its pins";
+
 fn assemble(mesh: &SurfaceMesh, route: Route, report: Report) -> Polyline {
-    Polyline::assemble(mesh, route, report).expect("legs of a route that the driver made fit its pins")
+    Polyline::assemble(mesh, route, report).expect(FITS)
 }
 
 /// Tells the observer of a step; an error when it wants to stop.

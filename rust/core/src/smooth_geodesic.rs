@@ -146,5 +146,5 @@ fn smooth_loop(
 
 /// Points of a route, for the stages; `None` never happens for routes that a filter made.
 pub fn points_of(mesh: &SurfaceMesh, route: &Route) -> Option<Vec<DVec3>> {
-    Polyline::assemble(mesh, route.clone(), Report::default()).map(|line| line.points)
+    Polyline::outline(mesh, route).map(|(points, _)| points)
 }
