@@ -17,7 +17,7 @@ from bench.tasks import Timer, time_by_length
 # Names of meshes, rounds, seconds that one query may take, and triangles from which memory is measured: on fewer only
 # the process's own grain shows.
 SIZES = {
-    "full": (ladder.SHARED, 7, 8.0, 50_000),
+    "full": (ladder.SHARED, 7, 4.0, 50_000),
     "quick": (ladder.SHARED[:3], 3, 1.0, 50_000),
     "tiny": (("ball of 3 cuts",), 3, 0.1, 0),
 }
