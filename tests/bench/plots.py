@@ -45,6 +45,7 @@ def draw_by_mesh(results, path):
 
 def draw_by_length(by_length, path):
     from matplotlib import pyplot
+    from matplotlib.ticker import NullFormatter
 
     figure, axis = pyplot.subplots(figsize=(6, 4))
     rows = by_length["rows"]
@@ -54,6 +55,7 @@ def draw_by_length(by_length, path):
         points = [(row["crossings"], row["cpu"][name]) for row in rows]
         axis.loglog(*zip(*points, strict=True), color=f"C{i}", markersize=4, label=name, **line)
     axis.set_xlabel("points of the geodesic line")
+    axis.xaxis.set_minor_formatter(NullFormatter())
     axis.set_ylabel("CPU time, ms")
     axis.set_title(f"two picks on {by_length['name']}", fontsize=10)
     axis.grid(alpha=0.3)
