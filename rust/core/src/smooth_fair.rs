@@ -38,10 +38,10 @@ const COARSEST_STRIDE: usize = 16;
 const COARSE_PIECES: usize = 8;
 
 /// The first step on a curve leaves alone what is longer than so many of its pieces.
-const FIRST_REACH: f64 = 8.0;
+const FIRST_REACH: f64 = 16.0;
 /// A step whose energy falls by more than [`GOOD_SHARE`] of what its model says lets the next reach further by this, and
 /// one that falls by less than [`POOR_SHARE`] halves its reach (as trust regions are steered).
-const REACH_GROWTH: f64 = 4.0;
+const REACH_GROWTH: f64 = 2.0;
 /// See [`REACH_GROWTH`].
 const GOOD_SHARE: f64 = 0.5;
 /// See [`REACH_GROWTH`].
@@ -56,7 +56,7 @@ const SETTLED_FALL: f64 = 1e-10;
 /// or when it fell by less than this share in each of [`SLOW_STEPS`] steps: the last curve, and the coarser ones.
 const SLOW_FALL: f64 = 1e-5;
 /// See [`SLOW_FALL`].
-const SLOW_FALL_COARSE: f64 = 1e-3;
+const SLOW_FALL_COARSE: f64 = 1e-2;
 /// See [`SLOW_FALL`].
 const SLOW_STEPS: u32 = 3;
 
