@@ -61,9 +61,7 @@ pub fn smooth_input(
         Filter::Geodesic => smooth_geodesic(mesh, &mut route, options, &mut report, observer)?,
         Filter::Linear if options.solver == Solver::Auto => {
             // The locally shortest line is near the filter's fixed point, on the right side of nearly every vertex.
-            let start = Options { max_iterations: None, stages: false, ..options.clone() };
-            smooth_geodesic(mesh, &mut route, &start, &mut report, observer)?;
-            report.iterations = 0;
+            straighten_start(mesh, &mut route, options, &mut report, observer)?;
             smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?;
         }
         Filter::Linear => smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?,
@@ -79,8 +77,7 @@ pub fn smooth_input(
         }
         Filter::Fair => {
             if !is_drawn {
-                let start = Options { max_iterations: None, stages: false, ..options.clone() };
-                smooth_geodesic(mesh, &mut route, &start, &mut report, observer)?;
+                straighten_start(mesh, &mut route, options, &mut report, observer)?;
             }
             smooth_fair(mesh, &mut route, &is_pinned, is_drawn, options, &mut report, observer)?;
         }
@@ -95,6 +92,20 @@ pub fn smooth_input(
         return Err(Error::Collapsed { iterations: line.report.iterations });
     }
     Ok(line)
+}
+
+/// Straightens a route that another filter starts from: its rounds are neither limited nor counted, nor kept as stages.
+fn straighten_start(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    options: &Options,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<()> {
+    let start = Options { max_iterations: None, stages: false, ..options.clone() };
+    smooth_geodesic(mesh, route, &start, report, observer)?;
+    report.iterations = 0;
+    Ok(())
 }
 
 /// Notes in `report` what the line was before any smoothing.

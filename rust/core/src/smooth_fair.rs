@@ -100,7 +100,6 @@ pub fn smooth_fair(
         report,
         observer,
     };
-    lowering.report.iterations = 0;
     let mut curve = lowering.open_curve(samples.thinned(mesh, &kept), detail_size);
     let stop_reason = loop {
         let slow_fall = if stride == 1 { SLOW_FALL } else { SLOW_FALL_COARSE };
