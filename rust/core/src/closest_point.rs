@@ -1,10 +1,10 @@
 //! The point of the surface that is nearest to a point in space.
 //!
-//! Holds a tree of boxes over the triangles in the order of the Morton curve, and the nearest point of one triangle.
-//! Built when a mesh is first asked. Knows nothing of lines.
+//! Holds the way through the tree of boxes, nearest box first, and the nearest point of one triangle. Knows nothing of
+//! lines.
 //!
-//! Sources: C. Ericson 2005, *Real-Time Collision Detection*, sections 5.1.5 and 6.5 (we judge every candidate by its
-//! distance instead of by regions, so that a sliver gives no wrong answer); G. Morton 1966 for the order.
+//! Source: C. Ericson 2005, *Real-Time Collision Detection*, sections 5.1.5 and 6.5 (we judge every candidate by its
+//! distance instead of by regions, so that a sliver gives no wrong answer).
 
 use glam::DVec3;
 
@@ -14,36 +14,10 @@ use crate::mesh::{MAX_COORDINATE, SurfaceMesh};
 use crate::report::{Observer, Step};
 use crate::smooth::go_on;
 use crate::surface_point::SurfacePoint;
-
-/// Triangles in a leaf. Measured on a scan of 269k triangles: 1 to 8 take the same time within the noise.
-const LEAF: usize = 4;
-
-/// Boxes below each box.
-const BRANCHES: usize = 8;
-
-/// Rounding of a point that is a sum of three weighted corners, relative to the largest coordinate.
-const POINT_ROUNDING: f64 = 8.0 * f64::EPSILON;
-
-/// Takes the rounding of a squared distance off, so that the distance to a box is never above that to what is in it.
-const BELOW: f64 = 1.0 - 16.0 * f64::EPSILON;
+use crate::triangle_tree::{BRANCHES, Bounds, LEAF, POINT_ROUNDING, TriangleTree};
 
 /// Points that are looked up between two calls of the observer: about a millisecond.
-const POINTS_PER_OBSERVATION: usize = 512;
-
-/// A box with sides along the axes.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    low: DVec3,
-    high: DVec3,
-}
-
-/// The tree. Level 0 are the boxes of the leaves; each further level has one box for `BRANCHES` of the one before.
-#[derive(Debug)]
-pub struct TriangleTree {
-    levels: Vec<Vec<Bounds>>,
-    /// Largest coordinate of a corner: what rounding is relative to.
-    extent: f64,
-}
+pub(crate) const POINTS_PER_OBSERVATION: usize = 512;
 
 /// A point of the surface and how far it is from the point that was asked for.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -61,58 +35,7 @@ struct Candidate {
     point: SurfacePoint,
 }
 
-impl Bounds {
-    const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
-
-    #[inline]
-    fn of_triangle(mesh: &SurfaceMesh, triangle: TriangleId) -> Self {
-        let [a, b, c] = mesh.corners(triangle).map(|v| mesh.position(v));
-        Self { low: a.min(b).min(c), high: a.max(b).max(c) }
-    }
-
-    #[inline]
-    fn grown(self, by: DVec3) -> Self {
-        Self { low: self.low - by, high: self.high + by }
-    }
-
-    fn join(self, other: Self) -> Self {
-        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
-    }
-
-    /// Squared distance to the box, 0 inside.
-    #[inline]
-    fn square_to(&self, p: DVec3) -> f64 {
-        (self.low - p).max(p - self.high).max(DVec3::ZERO).length_squared() * BELOW
-    }
-}
-
 impl TriangleTree {
-    /// The tree over the triangles of a mesh. Cost: O(triangles); 14 bytes a triangle are kept.
-    pub fn new(mesh: &SurfaceMesh) -> Self {
-        let count = mesh.triangles().len();
-        let mut extent = 0.0f64;
-        let mut leaves = Vec::with_capacity(count.div_ceil(LEAF));
-        for start in (0..count).step_by(LEAF) {
-            let mut bounds = Bounds::EMPTY;
-            for place in start..count.min(start + LEAF) {
-                bounds = bounds.join(Bounds::of_triangle(mesh, mesh.dual_graph().triangle_at(place)));
-            }
-            extent = extent.max(bounds.low.abs().max(bounds.high.abs()).max_element());
-            leaves.push(bounds);
-        }
-        // A point of a triangle is rounded, so it may lie a little outside of the box of the corners.
-        let slack = DVec3::splat(POINT_ROUNDING * extent);
-        for bounds in &mut leaves {
-            *bounds = bounds.grown(slack);
-        }
-        let mut levels = vec![leaves];
-        while let Some(last) = levels.last().filter(|level| level.len() > 1) {
-            let above = last.chunks(BRANCHES).map(|c| c.iter().copied().fold(Bounds::EMPTY, Bounds::join)).collect();
-            levels.push(above);
-        }
-        Self { levels, extent }
-    }
-
     /// The point of the surface nearest to `p`, which must be finite; ties go to the lower triangle. `None` on a mesh
     /// without triangles.
     ///
@@ -201,7 +124,7 @@ impl SurfaceMesh {
     }
 }
 
-fn check_point(row: usize, point: DVec3, argument: &'static str) -> Result<(), OptionError> {
+pub(crate) fn check_point(row: usize, point: DVec3, argument: &'static str) -> Result<(), OptionError> {
     if point.is_finite() && point.abs().max_element() <= MAX_COORDINATE {
         return Ok(());
     }

@@ -7,13 +7,13 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use crate::adjacency::{Adjacency, VertexKind, other_spoke};
-use crate::closest_point::TriangleTree;
 use crate::error::{MeshError, OptionError};
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::morton::CurveOrder;
 use crate::polygons::{Polygons, middle_triangle};
 use crate::search::DualGraph;
 use crate::surface_point::{Pick, SurfacePoint};
+use crate::triangle_tree::TriangleTree;
 use crate::window_search::WindowGraph;
 
 /// Half-edge ids are `u32` and the last one marks "none".

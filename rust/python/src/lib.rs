@@ -18,6 +18,7 @@ mod mesh_report;
 mod network;
 mod picks;
 mod polyline;
+mod ray_hits;
 mod report;
 mod stroke_points;
 mod surface_point;
@@ -38,6 +39,8 @@ mod _native {
     use crate::network::PyNetwork;
     #[pymodule_export]
     use crate::polyline::PyPolyline;
+    #[pymodule_export]
+    use crate::ray_hits::PyRayHits;
     #[pymodule_export]
     use crate::report::PyReport;
     #[pymodule_export]

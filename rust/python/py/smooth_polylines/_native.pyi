@@ -26,6 +26,7 @@ __all__ = [
     "NoPathError",
     "OptionError",
     "Polyline",
+    "RayHits",
     "Report",
     "SurfaceMesh",
     "SurfacePoint",
@@ -170,6 +171,20 @@ class ClosestPoints:
     def __len__(self) -> int: ...
 
 @final
+class RayHits:
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.int32]: ...
+    @property
+    def barycentric(self) -> NDArray[np.float64]: ...
+    @property
+    def distances(self) -> NDArray[np.float64]: ...
+    @property
+    def surface_points(self) -> list[SurfacePoint | None]: ...
+    def __len__(self) -> int: ...
+
+@final
 class SurfaceMesh:
     def __new__(
         cls, positions: ArrayLike, triangles: ArrayLike, triangle_faces: ArrayLike | None = None
@@ -205,6 +220,7 @@ class SurfaceMesh:
         stages: bool = False,
     ) -> Polyline: ...
     def closest_points(self, points: ArrayLike) -> ClosestPoints: ...
+    def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHits: ...
     def network(
         self,
         picks: _Picks,
