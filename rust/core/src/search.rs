@@ -27,8 +27,9 @@ const NONE: u32 = u32::MAX;
 /// Triangles taken from the queue between two calls of the observer; about a millisecond.
 const POPS_PER_OBSERVATION: u64 = 4096;
 
-/// A mesh of fewer triangles needs no landmarks: searching all of it takes a few milliseconds.
-const LANDMARK_TRIANGLES: usize = 40_000;
+/// A mesh of fewer triangles needs no landmarks: searching all of it takes less than half a millisecond. Measured: on 5 800
+/// triangles they take a search across from 290 microseconds to 27, on 19 500 from 1 400 to 300.
+const LANDMARK_TRIANGLES: usize = 4_000;
 
 /// Landmarks are chosen once searches have taken this many triangles from their queues for each triangle of the mesh:
 /// choosing costs about half of what was spent by then.

@@ -68,7 +68,7 @@ impl PyReport {
     }
 
     /// Triangles taken from the search queue in step B, slivers up to three times: an int. Fewer, for the same line, once a
-    /// mesh of 40 000 triangles or more was asked often enough to choose landmarks.
+    /// mesh of 4 000 triangles or more was asked often enough to choose landmarks.
     #[getter]
     fn pops(&self) -> u64 {
         self.report.pops
