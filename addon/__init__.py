@@ -6,7 +6,7 @@ Holds no logic. Scripts find theirs in `session.add_polyline`.
 
 import bpy
 
-from . import menus, operators
+from . import menus, operators, surface
 
 
 def register() -> None:
@@ -22,6 +22,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Take everything back, also after a registration that failed half-way."""
+    surface.forget_surfaces()
     menus.unregister()
     for cls in reversed(operators.CLASSES):
         if cls.is_registered:

@@ -5,6 +5,7 @@ Only bulk transfers of Blender's own buffers, never a Python loop over the mesh.
 the call. Knows no picks and no lines.
 """
 
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -94,6 +95,29 @@ def read_positions(mesh_object: bpy.types.Object, mesh: bpy.types.Mesh) -> np.nd
     return read_floats(mesh.attributes["position"].data, "vector", len(mesh.vertices))
 
 
+def measure_fingerprint(mesh_object: bpy.types.Object) -> int:
+    """A checksum of all that `read_mesh` would read: equal as long as nothing of it has changed."""
+    matrix = np.array(mesh_object.matrix_world, dtype=np.float64)
+    with open_current_mesh(mesh_object) as mesh:
+        checksum = zlib.crc32(read_positions(mesh_object, mesh), zlib.crc32(matrix))
+        corner_vertices = np.empty(len(mesh.loops), dtype=np.int32)
+        starts = np.empty(len(mesh.polygons), dtype=np.int32)
+        if len(mesh.polygons) > 0:
+            mesh.attributes[".corner_vert"].data.foreach_get("value", corner_vertices)
+            mesh.polygons.foreach_get("loop_start", starts)
+        checksum = zlib.crc32(starts, zlib.crc32(corner_vertices, checksum))
+        return zlib.crc32(read_hidden(mesh), checksum)
+
+
+def read_hidden(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Which polygons are hidden, bool; empty when none has ever been."""
+    hidden = mesh.attributes.get(".hide_poly")  # there only once something has been hidden
+    is_hidden = np.empty(0 if hidden is None else len(mesh.polygons), dtype=bool)
+    if hidden is not None:
+        hidden.data.foreach_get("value", is_hidden)
+    return is_hidden
+
+
 def read_floats(rows: bpy.types.bpy_prop_collection, name: str, count: int) -> np.ndarray:
     """A vector property of `count` rows, (count, 3) float64, taken in Blender's 32 bits as one buffer."""
     values = np.empty(count * 3, dtype=np.float32)
@@ -117,10 +141,8 @@ def read_visible_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray
     mesh.attributes[".corner_vert"].data.foreach_get("value", corner_vertices)
     triangles = corner_vertices[corners].reshape(-1, 3)
 
-    hidden = mesh.attributes.get(".hide_poly")  # there only once something has been hidden
-    if hidden is not None:
-        is_hidden = np.empty(len(mesh.polygons), dtype=bool)
-        hidden.data.foreach_get("value", is_hidden)
+    is_hidden = read_hidden(mesh)
+    if len(is_hidden) > 0:
         is_visible = ~is_hidden[triangle_faces]
         triangles, triangle_faces = triangles[is_visible], triangle_faces[is_visible]
     return np.ascontiguousarray(triangles), np.ascontiguousarray(triangle_faces)

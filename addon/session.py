@@ -11,7 +11,7 @@ from typing import Any
 
 import bpy
 
-from . import curve_write, mesh_read, native, selection, surface_offset
+from . import curve_write, mesh_read, native, selection, surface, surface_offset
 from .errors import ObjectError
 
 DEFAULT_NAME = "Smooth Polyline"
@@ -54,15 +54,13 @@ def compute_polyline(
     Raises AddonError, or the library's `smooth_polylines.Error`.
     """
     check_object(mesh_object)
-    library = native.load_library()
+    native.load_library()
     ordered_picks = selection.read_picks(mesh_object) if picks is None else list(picks)
-    # A script may have moved the object a line ago.
-    context.view_layer.update()
-    arrays = mesh_read.read_mesh(mesh_object, with_normals=with_normals)
-    surface = library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces)
+    opened = surface.open_surface(context, mesh_object, with_normals=with_normals)
+    arrays = opened.arrays
     if detail_size is not None:
         line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(arrays.world_matrix)
-    return ComputedPolyline(surface.polyline(ordered_picks, **line_options), ordered_picks, arrays)
+    return ComputedPolyline(opened.library_mesh.polyline(ordered_picks, **line_options), ordered_picks, arrays)
 
 
 def add_polyline(

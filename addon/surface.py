@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Opened meshes, kept for the next line as long as the mesh stays as it is.
+
+A mesh counts as changed when any byte of its positions, faces, hidden marks or its world matrix has: that is looked at each
+time, some milliseconds for a million triangles, so no edit goes unnoticed, whoever made it. Holds no Blender object
+between calls.
+"""
+
+import zlib
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import bpy
+
+from . import mesh_read, native
+
+# Opened meshes that are kept; a scan of a million triangles takes some 200 MB.
+MOST_SURFACES = 3
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A mesh object's faces, ready for lines in world space."""
+
+    library_mesh: Any  # smooth_polylines.SurfaceMesh over the world positions
+    arrays: mesh_read.MeshArrays
+
+
+_surfaces: OrderedDict[tuple[int, bool], tuple[int, Surface]] = OrderedDict()
+
+
+def open_surface(context: bpy.types.Context, mesh_object: bpy.types.Object, *, with_normals: bool = False) -> Surface:
+    """The surface of `mesh_object` as it is now, in Edit Mode or out of it.
+
+    Raises ObjectError, LibraryError, or the library's `smooth_polylines.Error`.
+    """
+    library = native.load_library()
+    # A script may have moved the object a line ago.
+    context.view_layer.update()
+    key = (mesh_object.session_uid, with_normals)
+    fingerprint = mesh_read.measure_fingerprint(mesh_object)
+    kept = _surfaces.get(key)
+    if kept is not None and kept[0] == fingerprint:
+        _surfaces.move_to_end(key)
+        return kept[1]
+    _surfaces.pop(key, None)  # before the new one is made: two large ones need not be held at once
+    arrays = mesh_read.read_mesh(mesh_object, with_normals=with_normals)
+    surface = Surface(library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces), arrays)
+    _surfaces[key] = (fingerprint, surface)
+    while len(_surfaces) > MOST_SURFACES:
+        _surfaces.popitem(last=False)
+    return surface
+
+
+def forget_surfaces() -> None:
+    """Free what is kept."""
+    _surfaces.clear()
+
+
+def measure_topology(arrays: mesh_read.MeshArrays) -> list[int]:
+    """Vertices, triangles and a checksum of who is joined to whom: equal for two states of a mesh that only moved."""
+    faces = zlib.crc32(np.ascontiguousarray(arrays.triangle_faces), zlib.crc32(arrays.triangles))
+    return [len(arrays.local_positions), len(arrays.triangles), faces]
