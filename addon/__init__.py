@@ -6,14 +6,17 @@ Holds no logic. Scripts find theirs in `session.add_polyline`.
 
 import bpy
 
-from . import menus, operators, surface
+from . import live, menus, operators, panels, surface
+
+CLASSES = (*live.CLASSES, *operators.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:
     """Make the operators and menu entries known; on a failure nothing stays behind."""
     try:
-        for cls in operators.CLASSES:
+        for cls in CLASSES:
             bpy.utils.register_class(cls)
+        live.register()
         menus.register()
     except BaseException:
         unregister()
@@ -24,6 +27,7 @@ def unregister() -> None:
     """Take everything back, also after a registration that failed half-way."""
     surface.forget_surfaces()
     menus.unregister()
-    for cls in reversed(operators.CLASSES):
+    live.unregister()
+    for cls in reversed(CLASSES):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)

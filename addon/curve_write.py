@@ -35,12 +35,7 @@ def write_curve(
     curve_object = None
     try:
         curve.dimensions = "3D"
-        spline = curve.splines.new("POLY")
-        spline.points.add(len(local_points) - 1)
-        coordinates = np.ones((len(local_points), 4), dtype=np.float32)  # the fourth is the weight
-        coordinates[:, :3] = local_points
-        spline.points.foreach_set("co", coordinates.ravel())
-        spline.use_cyclic_u = closed
+        write_points(curve, local_points, closed=closed)
         curve.bevel_depth = bevel
         curve.use_fill_caps = True
         curve_object = bpy.data.objects.new(name, curve)
@@ -53,6 +48,26 @@ def write_curve(
         raise
     show_in_local_view(context, curve_object)
     return curve_object
+
+
+def write_points(curve: bpy.types.Curve, local_points: np.ndarray, *, closed: bool) -> bool:
+    """Make `curve` one POLY spline through `local_points`, (N, 3); False when it was that already, to the bit."""
+    coordinates = np.ones((len(local_points), 4), dtype=np.float32)  # the fourth is the weight
+    coordinates[:, :3] = local_points
+    spline = curve.splines[0] if len(curve.splines) == 1 else None
+    if spline is None or spline.type != "POLY" or len(spline.points) != len(coordinates):
+        curve.splines.clear()
+        spline = curve.splines.new("POLY")
+        spline.points.add(len(coordinates) - 1)
+    else:
+        present = np.empty_like(coordinates)
+        spline.points.foreach_get("co", present.ravel())
+        if spline.use_cyclic_u == closed and np.array_equal(present, coordinates):
+            return False
+    spline.points.foreach_set("co", coordinates.ravel())
+    spline.use_cyclic_u = closed
+    curve.update_tag()
+    return True
 
 
 def choose_collection(context: bpy.types.Context, mesh_object: bpy.types.Object) -> bpy.types.Collection:

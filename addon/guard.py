@@ -18,6 +18,15 @@ PASSED_ON = (KeyboardInterrupt, SystemExit, GeneratorExit)
 
 def run_guarded(operator: Any, work: Callable[[], None]) -> set[str]:
     """Call `work` for `operator`: {'FINISHED'}, or an error report and {'CANCELLED'}."""
+    message = run_quietly(work)
+    if message is None:
+        return {"FINISHED"}
+    operator.report({"ERROR"}, message)
+    return {"CANCELLED"}
+
+
+def run_quietly(work: Callable[[], None]) -> str | None:
+    """Call `work`; None when it was done, else what to tell the artist."""
     try:
         work()
     except PASSED_ON:
@@ -25,13 +34,10 @@ def run_guarded(operator: Any, work: Callable[[], None]) -> set[str]:
     except BaseException as error:
         # BaseException, because a panic in native code is not an Exception.
         if isinstance(error, AddonError) or native.is_refusal(error):
-            operator.report({"ERROR"}, str(error))
-        else:
-            traceback.print_exception(error)
-            operator.report(
-                {"ERROR"},
-                f"Smooth Polylines failed unexpectedly ({type(error).__name__}); nothing was changed. "
-                "The system console has the details: please report them",
-            )
-        return {"CANCELLED"}
-    return {"FINISHED"}
+            return str(error)
+        traceback.print_exception(error)
+        return (
+            f"Smooth Polylines failed unexpectedly ({type(error).__name__}); nothing was changed. "
+            "The system console has the details: please report them"
+        )
+    return None

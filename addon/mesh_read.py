@@ -97,16 +97,26 @@ def read_positions(mesh_object: bpy.types.Object, mesh: bpy.types.Mesh) -> np.nd
 
 def measure_fingerprint(mesh_object: bpy.types.Object) -> int:
     """A checksum of all that `read_mesh` would read: equal as long as nothing of it has changed."""
-    matrix = np.array(mesh_object.matrix_world, dtype=np.float64)
+    matrix = np.array(mesh_object.matrix_world, dtype=np.float64, order="C")
     with open_current_mesh(mesh_object) as mesh:
         checksum = zlib.crc32(read_positions(mesh_object, mesh), zlib.crc32(matrix))
-        corner_vertices = np.empty(len(mesh.loops), dtype=np.int32)
         starts = np.empty(len(mesh.polygons), dtype=np.int32)
-        if len(mesh.polygons) > 0:
-            mesh.attributes[".corner_vert"].data.foreach_get("value", corner_vertices)
-            mesh.polygons.foreach_get("loop_start", starts)
-        checksum = zlib.crc32(starts, zlib.crc32(corner_vertices, checksum))
+        mesh.polygons.foreach_get("loop_start", starts)
+        checksum = zlib.crc32(starts, zlib.crc32(read_corner_vertices(mesh), checksum))
         return zlib.crc32(read_hidden(mesh), checksum)
+
+
+def measure_topology(mesh: bpy.types.Mesh) -> tuple[int, int, int]:
+    """Vertices, polygons, and a checksum of who is joined to whom: equal for two states of a mesh that only moved."""
+    return len(mesh.vertices), len(mesh.polygons), zlib.crc32(read_corner_vertices(mesh))
+
+
+def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """The vertex of every corner, int32; a hundred times quicker than the vertices of the loop triangles."""
+    corner_vertices = np.empty(len(mesh.loops), dtype=np.int32)
+    if len(corner_vertices) > 0:  # without faces there is no such attribute
+        mesh.attributes[".corner_vert"].data.foreach_get("value", corner_vertices)
+    return corner_vertices
 
 
 def read_hidden(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -136,10 +146,7 @@ def read_visible_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray
     if count == 0:
         return corners.reshape(-1, 3), triangle_faces
 
-    # The corner-to-vertex buffer is a hundred times quicker to read than the vertices of the loop triangles.
-    corner_vertices = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.attributes[".corner_vert"].data.foreach_get("value", corner_vertices)
-    triangles = corner_vertices[corners].reshape(-1, 3)
+    triangles = read_corner_vertices(mesh)[corners].reshape(-1, 3)
 
     is_hidden = read_hidden(mesh)
     if len(is_hidden) > 0:

@@ -11,8 +11,9 @@ from typing import Any
 
 import bpy
 
-from . import curve_write, mesh_read, native, selection, surface, surface_offset
+from . import curve_write, line_points, mesh_read, native, selection, settings, surface, surface_offset
 from .errors import ObjectError
+from .live import memory
 
 DEFAULT_NAME = "Smooth Polyline"
 
@@ -36,7 +37,7 @@ class AddedPolyline:
 
 
 def compute_polyline(
-    context: bpy.types.Context,
+    context: bpy.types.Context | None,
     mesh_object: bpy.types.Object,
     picks: Sequence[Any] | None = None,
     *,
@@ -70,41 +71,72 @@ def add_polyline(
     *,
     bevel: float | None = None,
     offset: float = 0.0,
+    resample: float = 0.0,
     name: str = DEFAULT_NAME,
     **line_options: Any,
 ) -> AddedPolyline:
-    """Make a smooth line on `mesh_object` and add it to the scene as a curve object.
+    """Make a smooth line on `mesh_object` and add it to the scene as a curve object that remembers what made it.
 
     picks : polygon ids in order; None: the faces picked in Edit Mode
     bevel : radius of the tube in the object's units; None: chosen from the size of the mesh
     offset : distance from the surface along its normal, in the object's units; 0: on the surface
+    resample : even spacing of the points, in the object's units; 0: the points of the line
     name : of the new object
     line_options : as for `compute_polyline`: closed, filter, pinned, threshold, detail_size, ...
 
     Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
     """
     computed = compute_polyline(context, mesh_object, picks, with_normals=offset != 0.0, **line_options)
-    line, arrays = computed.line, computed.arrays
-    # The same triangles and weights on the unmoved vertices: no inverse of the world matrix, no rounding by one.
-    local_points = line.on(arrays.local_positions)
-    if offset != 0.0:
-        local_points = surface_offset.lift_points(
-            local_points,
-            arrays.triangles[line.triangles],
-            line.barycentric,
-            arrays.local_normals,
-            arrays.world_matrix,
-            offset,
-        )
+    placed = place_line(computed, offset=offset, resample=resample)
     curve_object = curve_write.write_curve(
         context,
         mesh_object,
-        local_points,
-        closed=line.closed,
-        bevel=curve_write.choose_bevel(arrays.local_positions) if bevel is None else bevel,
+        placed.local_points,
+        closed=computed.line.closed,
+        bevel=curve_write.choose_bevel(computed.arrays.local_positions) if bevel is None else bevel,
         name=name,
     )
-    return AddedPolyline(curve_object, line, computed.picks)
+    wishes = {**line_options, "bevel": bevel, "offset": offset, "resample": resample}
+    memory.remember(curve_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
+    return AddedPolyline(curve_object, computed.line, computed.picks)
+
+
+def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve) -> None:
+    """Make the line of a curve that remembers again, by its settings, on its mesh as it is now; the same data-block.
+
+    Picks whose faces are no more are found again by position, and the curve's state says so. `context` is None in a
+    handler, where everything has just been evaluated. Raises AddonError, or the
+    library's `smooth_polylines.Error`; the curve is as it was then.
+    """
+    settings_of_curve = curve.smooth_polyline
+    mesh_object = memory.find_mesh(curve)
+    check_object(mesh_object)
+    opened = surface.open_surface(context, mesh_object, with_normals=settings_of_curve.offset != 0.0)
+    recalled = memory.recall(curve, opened)
+    options = settings.choose_line_options(settings_of_curve)
+    if recalled.pinned is not None:
+        options["pinned"] = recalled.pinned
+    computed = compute_polyline(
+        context, mesh_object, recalled.picks, with_normals=settings_of_curve.offset != 0.0, **options
+    )
+    placed = place_line(computed, offset=settings_of_curve.offset, resample=settings_of_curve.resample)
+    curve_write.write_points(curve, placed.local_points, closed=computed.line.closed)
+    curve.bevel_depth = settings_of_curve.bevel or curve_write.choose_bevel(computed.arrays.local_positions)
+    memory.keep(curve, mesh_object, recalled, computed.arrays, placed)
+
+
+def place_line(computed: ComputedPolyline, *, offset: float, resample: float) -> memory.PlacedLine:
+    """The points of a line in the object's space, and what they are made of."""
+    arrays = computed.arrays
+    spacing = resample * mesh_read.measure_mean_scale(arrays.world_matrix)
+    vertices, weights = line_points.describe_points(computed.line, arrays.triangles, spacing)
+    # The same weights on the unmoved vertices: no inverse of the world matrix, no rounding by one.
+    local_points = line_points.place_points(vertices, weights, arrays.local_positions)
+    if offset != 0.0:
+        local_points = surface_offset.lift_points(
+            local_points, vertices, weights, arrays.local_normals, arrays.world_matrix, offset
+        )
+    return memory.PlacedLine(local_points, vertices, weights)
 
 
 def check_object(mesh_object: bpy.types.Object) -> None:

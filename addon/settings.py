@@ -93,6 +93,15 @@ class LineSettings:
         subtype="DISTANCE",
         unit="LENGTH",
     )
+    resample: FloatProperty(
+        name="Resample",
+        description="Even spacing of the points along the curve; 0: a point at every edge that the line crosses",
+        default=0.0,
+        min=0.0,
+        precision=4,
+        subtype="DISTANCE",
+        unit="LENGTH",
+    )
 
 
 def choose_line_options(settings: Any) -> dict[str, Any]:
@@ -134,5 +143,5 @@ def draw_line_settings(layout: bpy.types.UILayout, settings: Any) -> None:
         row.enabled = is_enabled
         row.prop(settings, name)
     layout.separator()
-    for name in ("bevel", "offset"):
+    for name in ("bevel", "offset", "resample"):
         layout.prop(settings, name)

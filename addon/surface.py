@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opened meshes, kept for the next line as long as the mesh stays as it is.
 
-A mesh counts as changed when any byte of its positions, faces, hidden marks or its world matrix has: that is looked at each
+A mesh counts as changed when its positions, faces, hidden marks or world matrix have: their checksum is taken each
 time, some milliseconds for a million triangles, so no edit goes unnoticed, whoever made it. Holds no Blender object
 between calls.
 """
 
-import zlib
 from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 import bpy
 
@@ -32,14 +29,19 @@ class Surface:
 _surfaces: OrderedDict[tuple[int, bool], tuple[int, Surface]] = OrderedDict()
 
 
-def open_surface(context: bpy.types.Context, mesh_object: bpy.types.Object, *, with_normals: bool = False) -> Surface:
+def open_surface(
+    context: bpy.types.Context | None, mesh_object: bpy.types.Object, *, with_normals: bool = False
+) -> Surface:
     """The surface of `mesh_object` as it is now, in Edit Mode or out of it.
+
+    context : None where everything has just been evaluated, as in a handler
 
     Raises ObjectError, LibraryError, or the library's `smooth_polylines.Error`.
     """
     library = native.load_library()
-    # A script may have moved the object a line ago.
-    context.view_layer.update()
+    if context is not None:
+        # A script may have moved the object a line ago.
+        context.view_layer.update()
     key = (mesh_object.session_uid, with_normals)
     fingerprint = mesh_read.measure_fingerprint(mesh_object)
     kept = _surfaces.get(key)
@@ -58,9 +60,3 @@ def open_surface(context: bpy.types.Context, mesh_object: bpy.types.Object, *, w
 def forget_surfaces() -> None:
     """Free what is kept."""
     _surfaces.clear()
-
-
-def measure_topology(arrays: mesh_read.MeshArrays) -> list[int]:
-    """Vertices, triangles and a checksum of who is joined to whom: equal for two states of a mesh that only moved."""
-    faces = zlib.crc32(np.ascontiguousarray(arrays.triangle_faces), zlib.crc32(arrays.triangles))
-    return [len(arrays.local_positions), len(arrays.triangles), faces]

@@ -50,6 +50,7 @@ class MESH_OT_smooth_polyline_add(settings.LineSettings, bpy.types.Operator):
             mesh_object,
             bevel=self.bevel or None,
             offset=self.offset,
+            resample=self.resample,
             name=self.name,
             **settings.choose_line_options(self),
         )
