@@ -13,7 +13,7 @@ import bpy
 
 from . import curve_write, line_points, mesh_read, native, selection, settings, surface, surface_offset
 from .errors import ObjectError
-from .live import memory
+from .live import memory, shape
 
 DEFAULT_NAME = "Smooth Polyline"
 
@@ -98,6 +98,7 @@ def add_polyline(
     )
     wishes = {**line_options, "bevel": bevel, "offset": offset, "resample": resample}
     memory.remember(curve_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
+    shape.place_on_shape(curve_object.data, mesh_object, context.evaluated_depsgraph_get())
     return AddedPolyline(curve_object, computed.line, computed.picks)
 
 
@@ -123,6 +124,8 @@ def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve) -> N
     curve_write.write_points(curve, placed.local_points, closed=computed.line.closed)
     curve.bevel_depth = settings_of_curve.bevel or curve_write.choose_bevel(computed.arrays.local_positions)
     memory.keep(curve, mesh_object, recalled, computed.arrays, placed)
+    if context is not None:
+        shape.place_on_shape(curve, mesh_object, context.evaluated_depsgraph_get())
 
 
 def place_line(computed: ComputedPolyline, *, offset: float, resample: float) -> memory.PlacedLine:

@@ -8,13 +8,11 @@ know.
 
 from functools import partial
 
-import numpy as np
-
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import curve_write, guard, line_points, mesh_read, session, surface_offset
-from . import memory
+from .. import guard, session
+from . import memory, shape
 
 
 @persistent
@@ -56,25 +54,16 @@ def follow_all(depsgraph: bpy.types.Depsgraph, changed: set[int] | None) -> None
 def follow_curve(
     curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_edited: bool
 ) -> None:
-    """Place the points of `curve` on the evaluated mesh; nothing where modifiers change who is joined to whom."""
+    """Place the points of `curve` on the evaluated mesh; where the mesh was rebuilt, make its line again first."""
     known = curve.smooth_polyline
-    vertices, weights, topology = memory.read_points(known.stored)
-    if is_edited and list(mesh_read.measure_topology(mesh_object.data)) != topology:
-        if known.state != "STALE":
-            message = guard.run_quietly(lambda: session.update_curve(None, curve))
-            if message is not None:
-                known.state, known.message = "STALE", message
-        return
-    mesh = mesh_object.evaluated_get(depsgraph).data
-    if [len(mesh.vertices), len(mesh.polygons)] != topology[:2]:
-        return
-    positions = mesh_read.read_floats(mesh.attributes["position"].data, "vector", len(mesh.vertices))
-    points = line_points.place_points(vertices, weights, positions)
-    if known.offset != 0.0:
-        normals = mesh_read.read_floats(mesh.vertex_normals, "vector", len(mesh.vertices))
-        matrix = np.array(mesh_object.matrix_world, dtype=np.float64)
-        points = surface_offset.lift_points(points, vertices, weights, normals, matrix, known.offset)
-    curve_write.write_points(curve, points, closed=known.closed)
+    if is_edited and not memory.is_on_topology(curve, mesh_object):
+        if known.state == "STALE":
+            return
+        message = guard.run_quietly(partial(session.update_curve, None, curve))
+        if message is not None:
+            known.state, known.message = "STALE", message
+            return
+    shape.place_on_shape(curve, mesh_object, depsgraph)
 
 
 def register() -> None:

@@ -225,6 +225,11 @@ def find_same(pick: Pick, arrays: mesh_read.MeshArrays) -> Any | None:
     return triangle, [weight_of[vertex] for vertex in arrays.triangles[triangle].tolist()]
 
 
+def is_on_topology(curve: bpy.types.Curve, mesh_object: bpy.types.Object) -> bool:
+    """Whether the mesh still has the vertices and faces that the points of `curve` were made on."""
+    return read_points(curve.smooth_polyline.stored)[2] == measure_current_topology(mesh_object)
+
+
 def measure_current_topology(mesh_object: bpy.types.Object) -> list[int]:
     """As `mesh_read.measure_topology`, also in Edit Mode."""
     with mesh_read.open_current_mesh(mesh_object) as mesh:

@@ -83,6 +83,18 @@ def test_points_stay_on_a_posed_mesh_over_twenty_frames(head, session, options):
     np.testing.assert_array_equal(get_spline_points(curve_object), seen[0])
 
 
+def test_a_line_made_on_a_posed_mesh_lies_on_the_pose(head, session):
+    add_armature(head)
+    bpy.context.scene.frame_set(20)
+    curve_object = add_curve(session, head)
+    assert measure_distance_to_surface(curve_object, head) < 1e-5
+    curve_object.data.smooth_polyline.filter = "GEODESIC"
+    assert measure_distance_to_surface(curve_object, head) < 1e-5
+    posed = get_spline_points(curve_object)
+    bpy.context.scene.frame_set(1)
+    assert np.abs(get_spline_points(curve_object) - posed).max() > 0.2
+
+
 def test_shape_keys_and_edits_of_vertices_are_followed(head, session):
     curve_object = add_curve(session, head)
     head.shape_key_add(name="Basis")
