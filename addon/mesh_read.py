@@ -33,11 +33,14 @@ class MeshArrays:
     world_matrix: np.ndarray  # (4, 4) float64, local to world
 
 
-def read_mesh(mesh_object: bpy.types.Object, *, with_normals: bool = False) -> MeshArrays:
-    """Read `mesh_object` as it is at this moment; ObjectError when there is nothing to walk on."""
+def read_mesh(mesh_object: bpy.types.Object, *, source: str = "BASE", with_normals: bool = False) -> MeshArrays:
+    """Read `mesh_object` as it is at this moment; ObjectError when there is nothing to walk on.
+
+    source : BASE: the mesh as it is edited; EVALUATED: after its modifiers
+    """
     world_matrix = read_world_matrix(mesh_object)
-    with open_current_mesh(mesh_object) as mesh:
-        local_positions = read_positions(mesh_object, mesh)
+    with open_current_mesh(mesh_object, source) as mesh:
+        local_positions = read_positions(mesh_object, mesh, source)
         triangles, triangle_faces = read_visible_triangles(mesh)
         local_normals = read_floats(mesh.vertex_normals, "vector", len(mesh.vertices)) if with_normals else None
     if len(triangles) == 0:
@@ -71,8 +74,15 @@ def read_world_matrix(mesh_object: bpy.types.Object) -> np.ndarray:
 
 
 @contextmanager
-def open_current_mesh(mesh_object: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+def open_current_mesh(mesh_object: bpy.types.Object, source: str = "BASE") -> Iterator[bpy.types.Mesh]:
     """The object's mesh with its attributes readable and up to date, also while it is being edited."""
+    if source == "EVALUATED":
+        evaluated = mesh_object.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        try:
+            yield evaluated.to_mesh()
+        finally:
+            evaluated.to_mesh_clear()
+        return
     if not mesh_object.data.is_editmode:
         yield mesh_object.data
         return
@@ -86,20 +96,20 @@ def open_current_mesh(mesh_object: bpy.types.Object) -> Iterator[bpy.types.Mesh]
         bpy.data.meshes.remove(copy)  # and its shape keys with it
 
 
-def read_positions(mesh_object: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray:
+def read_positions(mesh_object: bpy.types.Object, mesh: bpy.types.Mesh, source: str = "BASE") -> np.ndarray:
     """Vertex positions in the object's space, (V, 3) float64: in Edit Mode those of the active shape key."""
-    if mesh.shape_keys is not None and mesh_object.data.is_editmode:
+    if source == "BASE" and mesh.shape_keys is not None and mesh_object.data.is_editmode:
         # What is seen and edited in Edit Mode is the active key, while the mesh itself keeps the basis.
         key = mesh.shape_keys.key_blocks[mesh_object.active_shape_key_index]
         return read_floats(key.data, "co", len(mesh.vertices))
     return read_floats(mesh.attributes["position"].data, "vector", len(mesh.vertices))
 
 
-def measure_fingerprint(mesh_object: bpy.types.Object) -> int:
+def measure_fingerprint(mesh_object: bpy.types.Object, source: str = "BASE") -> int:
     """A checksum of all that `read_mesh` would read: equal as long as nothing of it has changed."""
     matrix = np.array(mesh_object.matrix_world, dtype=np.float64, order="C")
-    with open_current_mesh(mesh_object) as mesh:
-        checksum = zlib.crc32(read_positions(mesh_object, mesh), zlib.crc32(matrix))
+    with open_current_mesh(mesh_object, source) as mesh:
+        checksum = zlib.crc32(read_positions(mesh_object, mesh, source), zlib.crc32(matrix))
         starts = np.empty(len(mesh.polygons), dtype=np.int32)
         mesh.polygons.foreach_get("loop_start", starts)
         checksum = zlib.crc32(starts, zlib.crc32(read_corner_vertices(mesh), checksum))

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import bpy
 
 from . import curve_write, line_points, mesh_read, native, selection, settings, surface, surface_offset
@@ -41,6 +43,7 @@ def compute_polyline(
     mesh_object: bpy.types.Object,
     picks: Sequence[Any] | None = None,
     *,
+    source: str = "BASE",
     with_normals: bool = False,
     detail_size: float | None = None,
     **line_options: Any,
@@ -48,6 +51,7 @@ def compute_polyline(
     """Make a smooth line on `mesh_object` as it is now, and change nothing in the file.
 
     picks : polygon ids in order; None: the faces picked in Edit Mode
+    source : BASE: on the mesh as it is edited; EVALUATED: after its modifiers, where faces stand for their centres
     with_normals : read the mesh's normals too, for an offset
     detail_size : of the filter "fair", a length in the object's units
     line_options : what the library's `SurfaceMesh.polyline` takes: closed, filter, pinned, solver, threshold, ...
@@ -57,11 +61,30 @@ def compute_polyline(
     check_object(mesh_object)
     native.load_library()
     ordered_picks = selection.read_picks(mesh_object) if picks is None else list(picks)
-    opened = surface.open_surface(context, mesh_object, with_normals=with_normals)
+    opened = surface.open_surface(context, mesh_object, source=source, with_normals=with_normals)
+    if source == "EVALUATED":
+        ordered_picks = find_evaluated_picks(mesh_object, ordered_picks, opened)
     arrays = opened.arrays
     if detail_size is not None:
         line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(arrays.world_matrix)
     return ComputedPolyline(opened.library_mesh.polyline(ordered_picks, **line_options), ordered_picks, arrays)
+
+
+def find_evaluated_picks(mesh_object: bpy.types.Object, picks: Sequence[Any], opened: surface.Surface) -> list[Any]:
+    """Picks on the surface after modifiers: a face of the mesh becomes the point nearest to its centre."""
+    faces = [k for k, pick in enumerate(picks) if isinstance(pick, (int, np.integer))]
+    found = list(picks)
+    if faces:
+        base = mesh_read.read_mesh(mesh_object)
+        for k in faces:
+            corners = base.triangles[base.triangle_faces == picks[k]]
+            if len(corners) == 0:
+                raise ObjectError(
+                    f"Face {picks[k]} of {mesh_object.name} is hidden or not there; pick visible faces of the mesh"
+                )
+            centre = base.world_positions[corners].mean(axis=(0, 1))
+            found[k] = opened.library_mesh.closest_points(centre[None]).surface_points[0]
+    return found
 
 
 def add_polyline(
@@ -69,6 +92,7 @@ def add_polyline(
     mesh_object: bpy.types.Object,
     picks: Sequence[Any] | None = None,
     *,
+    source: str = "BASE",
     bevel: float | None = None,
     offset: float = 0.0,
     resample: float = 0.0,
@@ -78,6 +102,7 @@ def add_polyline(
     """Make a smooth line on `mesh_object` and add it to the scene as a curve object that remembers what made it.
 
     picks : polygon ids in order; None: the faces picked in Edit Mode
+    source : BASE: on the mesh as it is edited; EVALUATED: after its modifiers
     bevel : radius of the tube in the object's units; None: chosen from the size of the mesh
     offset : distance from the surface along its normal, in the object's units; 0: on the surface
     resample : even spacing of the points, in the object's units; 0: the points of the line
@@ -86,7 +111,7 @@ def add_polyline(
 
     Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
     """
-    computed = compute_polyline(context, mesh_object, picks, with_normals=offset != 0.0, **line_options)
+    computed = compute_polyline(context, mesh_object, picks, source=source, with_normals=offset != 0.0, **line_options)
     placed = place_line(computed, offset=offset, resample=resample)
     curve_object = curve_write.write_curve(
         context,
@@ -96,7 +121,7 @@ def add_polyline(
         bevel=curve_write.choose_bevel(computed.arrays.local_positions) if bevel is None else bevel,
         name=name,
     )
-    wishes = {**line_options, "bevel": bevel, "offset": offset, "resample": resample}
+    wishes = {**line_options, "source": source, "bevel": bevel, "offset": offset, "resample": resample}
     memory.remember(curve_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
     shape.place_on_shape(curve_object.data, mesh_object, context.evaluated_depsgraph_get())
     return AddedPolyline(curve_object, computed.line, computed.picks)
@@ -112,13 +137,14 @@ def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve) -> N
     settings_of_curve = curve.smooth_polyline
     mesh_object = memory.find_mesh(curve)
     check_object(mesh_object)
-    opened = surface.open_surface(context, mesh_object, with_normals=settings_of_curve.offset != 0.0)
+    source, with_normals = settings_of_curve.source, settings_of_curve.offset != 0.0
+    opened = surface.open_surface(context, mesh_object, source=source, with_normals=with_normals)
     recalled = memory.recall(curve, opened)
     options = settings.choose_line_options(settings_of_curve)
     if recalled.pinned is not None:
         options["pinned"] = recalled.pinned
     computed = compute_polyline(
-        context, mesh_object, recalled.picks, with_normals=settings_of_curve.offset != 0.0, **options
+        context, mesh_object, recalled.picks, source=source, with_normals=with_normals, **options
     )
     placed = place_line(computed, offset=settings_of_curve.offset, resample=settings_of_curve.resample)
     curve_write.write_points(curve, placed.local_points, closed=computed.line.closed)

@@ -35,10 +35,16 @@ KNOTS = (
     ("CHORDAL", "Chordal", "Steps by the distances"),
 )
 
+SOURCES = (
+    ("BASE", "Base Mesh", "The mesh as it is edited; the curve then follows what modifiers make of it"),
+    ("EVALUATED", "With Modifiers", "The mesh after its modifiers, such as Subdivision; picked faces give the places"),
+)
+
 
 class LineSettings:
     """Mixed into whatever shows these settings."""
 
+    source: EnumProperty(name="Source", description="What the line is made on", items=SOURCES, default="BASE")
     filter: EnumProperty(name="Filter", description="What makes the line smooth", items=FILTERS, default="LINEAR")
     closed: BoolProperty(name="Closed", description="Join the last pick to the first", default=False)
     pinned: EnumProperty(name="Pinned", description="Picks that the line passes exactly", items=PINS, default="ENDS")
@@ -129,6 +135,7 @@ def draw_line_settings(layout: bpy.types.UILayout, settings: Any) -> None:
     layout.use_property_decorate = False
     is_by_heap = settings.solver == "HEAP" and settings.filter in {"LINEAR", "CUBIC"}
     for name, is_enabled in (
+        ("source", True),
         ("filter", True),
         ("closed", True),
         ("pinned", True),

@@ -26,14 +26,19 @@ class Surface:
     arrays: mesh_read.MeshArrays
 
 
-_surfaces: OrderedDict[tuple[int, bool], tuple[int, Surface]] = OrderedDict()
+_surfaces: OrderedDict[tuple[int, str, bool], tuple[int, Surface]] = OrderedDict()
 
 
 def open_surface(
-    context: bpy.types.Context | None, mesh_object: bpy.types.Object, *, with_normals: bool = False
+    context: bpy.types.Context | None,
+    mesh_object: bpy.types.Object,
+    *,
+    source: str = "BASE",
+    with_normals: bool = False,
 ) -> Surface:
     """The surface of `mesh_object` as it is now, in Edit Mode or out of it.
 
+    source : BASE: the mesh as it is edited; EVALUATED: after its modifiers
     context : None where everything has just been evaluated, as in a handler
 
     Raises ObjectError, LibraryError, or the library's `smooth_polylines.Error`.
@@ -42,14 +47,14 @@ def open_surface(
     if context is not None:
         # A script may have moved the object a line ago.
         context.view_layer.update()
-    key = (mesh_object.session_uid, with_normals)
-    fingerprint = mesh_read.measure_fingerprint(mesh_object)
+    key = (mesh_object.session_uid, source, with_normals)
+    fingerprint = mesh_read.measure_fingerprint(mesh_object, source)
     kept = _surfaces.get(key)
     if kept is not None and kept[0] == fingerprint:
         _surfaces.move_to_end(key)
         return kept[1]
     _surfaces.pop(key, None)  # before the new one is made: two large ones need not be held at once
-    arrays = mesh_read.read_mesh(mesh_object, with_normals=with_normals)
+    arrays = mesh_read.read_mesh(mesh_object, source=source, with_normals=with_normals)
     surface = Surface(library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces), arrays)
     _surfaces[key] = (fingerprint, surface)
     while len(_surfaces) > MOST_SURFACES:

@@ -46,17 +46,31 @@ def follow_all(depsgraph: bpy.types.Depsgraph, changed: set[int] | None) -> None
         # What is being edited is followed when the edit is over: until then its buffers are not to be had cheaply.
         if mesh_object.data.is_editmode:
             continue
-        is_edited = changed is not None and mesh_object.data.session_uid in changed
-        if changed is None or is_edited or mesh_object.session_uid in changed:
-            guard.run_quietly(partial(follow_curve, curve, mesh_object, depsgraph, is_edited))
+        if changed is None:
+            # Reaching a frame rebuilds nothing: in a render the levels of modifiers may differ, and pass again.
+            is_rebuilt = False
+        elif mesh_object.data.session_uid in changed or mesh_object.session_uid in changed:
+            is_rebuilt = is_mesh_rebuilt(curve, mesh_object, depsgraph, mesh_object.data.session_uid in changed)
+        else:
+            continue
+        guard.run_quietly(partial(follow_curve, curve, mesh_object, depsgraph, is_rebuilt))
+
+
+def is_mesh_rebuilt(
+    curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_edited: bool
+) -> bool:
+    """Whether what the line was made on has other vertices or faces now; after modifiers only their numbers count."""
+    if curve.smooth_polyline.source == "EVALUATED":
+        return not shape.has_counts(curve, mesh_object.evaluated_get(depsgraph).data)
+    return is_edited and not memory.is_on_topology(curve, mesh_object)
 
 
 def follow_curve(
-    curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_edited: bool
+    curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_rebuilt: bool
 ) -> None:
     """Place the points of `curve` on the evaluated mesh; where the mesh was rebuilt, make its line again first."""
     known = curve.smooth_polyline
-    if is_edited and not memory.is_on_topology(curve, mesh_object):
+    if is_rebuilt:
         if known.state == "STALE":
             return
         message = guard.run_quietly(partial(session.update_curve, None, curve))

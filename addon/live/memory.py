@@ -145,7 +145,7 @@ def keep(
         {
             "picks": [asdict(describe_pick(pick, arrays)) for pick in recalled.picks],
             "pinned": recalled.pinned,
-            "topology": measure_current_topology(mesh_object),
+            "topology": measure_current_topology(mesh_object, memory.source),
             "vertices": placed.vertices.tolist(),
             "weights": placed.weights.tolist(),
         }
@@ -192,7 +192,7 @@ def recall(curve: bpy.types.Curve, opened: Any) -> Recalled:
     stored = json.loads(curve.smooth_polyline.stored)
     picks = [Pick(**pick) for pick in stored["picks"]]
     pinned = stored["pinned"]
-    if stored["topology"] == measure_current_topology(curve.smooth_polyline.surface):
+    if stored["topology"] == measure_current_topology(curve.smooth_polyline.surface, curve.smooth_polyline.source):
         found = [find_same(pick, opened.arrays) for pick in picks]
         if all(pick is not None for pick in found):
             return Recalled(found, pinned, False)
@@ -227,12 +227,14 @@ def find_same(pick: Pick, arrays: mesh_read.MeshArrays) -> Any | None:
 
 def is_on_topology(curve: bpy.types.Curve, mesh_object: bpy.types.Object) -> bool:
     """Whether the mesh still has the vertices and faces that the points of `curve` were made on."""
-    return read_points(curve.smooth_polyline.stored)[2] == measure_current_topology(mesh_object)
+    return read_points(curve.smooth_polyline.stored)[2] == measure_current_topology(
+        mesh_object, curve.smooth_polyline.source
+    )
 
 
-def measure_current_topology(mesh_object: bpy.types.Object) -> list[int]:
-    """As `mesh_read.measure_topology`, also in Edit Mode."""
-    with mesh_read.open_current_mesh(mesh_object) as mesh:
+def measure_current_topology(mesh_object: bpy.types.Object, source: str) -> list[int]:
+    """As `mesh_read.measure_topology`, also in Edit Mode, of the mesh before or after its modifiers."""
+    with mesh_read.open_current_mesh(mesh_object, source) as mesh:
         return list(mesh_read.measure_topology(mesh))
 
 

@@ -20,9 +20,9 @@ def place_on_shape(curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgr
     if mesh_object.data.is_editmode:
         return
     known = curve.smooth_polyline
-    vertices, weights, topology = memory.read_points(known.stored)
+    vertices, weights, _ = memory.read_points(known.stored)
     mesh = mesh_object.evaluated_get(depsgraph).data
-    if [len(mesh.vertices), len(mesh.polygons)] != topology[:2]:
+    if not has_counts(curve, mesh):
         return
     positions = mesh_read.read_floats(mesh.attributes["position"].data, "vector", len(mesh.vertices))
     points = line_points.place_points(vertices, weights, positions)
@@ -31,3 +31,8 @@ def place_on_shape(curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgr
         matrix = np.array(mesh_object.matrix_world, dtype=np.float64)
         points = surface_offset.lift_points(points, vertices, weights, normals, matrix, known.offset)
     curve_write.write_points(curve, points, closed=known.closed)
+
+
+def has_counts(curve: bpy.types.Curve, mesh: bpy.types.Mesh) -> bool:
+    """Whether `mesh` has as many vertices and polygons as the mesh that the line was made on."""
+    return [len(mesh.vertices), len(mesh.polygons)] == memory.read_points(curve.smooth_polyline.stored)[2][:2]

@@ -48,6 +48,7 @@ class MESH_OT_smooth_polyline_add(settings.LineSettings, bpy.types.Operator):
         added = session.add_polyline(
             context,
             mesh_object,
+            source=self.source,
             bevel=self.bevel or None,
             offset=self.offset,
             resample=self.resample,

@@ -124,6 +124,30 @@ def test_a_modifier_that_changes_the_topology_leaves_the_curve(head, session):
     assert curve_object.data.smooth_polyline.state == "CURRENT"
 
 
+def test_on_the_surface_that_modifiers_make(head, session):
+    modifier = head.modifiers.new("Subdivision", "SUBSURF")
+    curve_object = add_curve(session, head, source="EVALUATED")
+    assert measure_distance_to_surface(curve_object, head) < 1e-5
+    before = get_spline_points(curve_object)
+    # It follows what comes after the subdivision, too.
+    add_armature(head)
+    bpy.context.scene.frame_set(20)
+    assert measure_distance_to_surface(curve_object, head) < 1e-5
+    assert np.abs(get_spline_points(curve_object) - before).max() > 0.2
+    known = curve_object.data.smooth_polyline
+    assert (known.source, known.state) == ("EVALUATED", "CURRENT")
+    # More levels rebuild the surface: the picks are found again by position, on the pose that they were made on.
+    bpy.context.scene.frame_set(1)
+    modifier.levels = 2
+    bpy.context.view_layer.update()
+    assert known.state == "FOUND_AGAIN", known.message
+    assert measure_distance_to_surface(curve_object, head) < 1e-5
+    known.source = "BASE"
+    assert known.state == "FOUND_AGAIN", known.message
+    modifier.show_viewport = False
+    assert measure_distance_to_surface(curve_object, head) < 1e-5
+
+
 def test_the_memory_holds_what_was_asked_for(head, session):
     curve_object = add_curve(session, head, filter="cubic", threshold=0.01, support=3, bevel=0.02, closed=True)
     known = curve_object.data.smooth_polyline
