@@ -6,9 +6,9 @@ Holds no logic. Scripts find theirs in `session.add_polyline`.
 
 import bpy
 
-from . import live, menus, operators, panels, surface
+from . import draw_tool, live, menus, operators, panels, surface
 
-CLASSES = (*live.CLASSES, *operators.CLASSES, *panels.CLASSES)
+CLASSES = (*live.CLASSES, *operators.CLASSES, *draw_tool.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:
@@ -17,6 +17,7 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(cls)
         live.register()
+        draw_tool.register()
         menus.register()
     except BaseException:
         unregister()
@@ -27,6 +28,7 @@ def unregister() -> None:
     """Take everything back, also after a registration that failed half-way."""
     surface.forget_surfaces()
     menus.unregister()
+    draw_tool.unregister()
     live.unregister()
     for cls in reversed(CLASSES):
         if cls.is_registered:

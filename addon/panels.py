@@ -9,6 +9,7 @@ import textwrap
 import bpy
 
 from . import settings
+from .draw_tool.operator import VIEW3D_OT_smooth_polyline_draw
 from .live import memory
 from .operators.update_curve import CURVE_OT_smooth_polyline_update
 
@@ -44,6 +45,9 @@ class CurvePanel:
         layout.prop(known, "surface")
         settings.draw_line_settings(layout, known)
         layout.operator(CURVE_OT_smooth_polyline_update.bl_idname, text="Update", icon="FILE_REFRESH")
+        if context.region_data is not None:  # in the 3D view alone
+            edit = layout.operator(VIEW3D_OT_smooth_polyline_draw.bl_idname, text="Edit Picks", icon="GREASEPENCIL")
+            edit.curve = context.object.name
 
 
 class DATA_PT_smooth_polyline(CurvePanel, bpy.types.Panel):

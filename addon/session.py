@@ -127,8 +127,16 @@ def add_polyline(
     return AddedPolyline(curve_object, computed.line, computed.picks)
 
 
-def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve) -> None:
+def replace_picks(context: bpy.types.Context, curve: bpy.types.Curve, picks: Sequence[Any], **wishes: Any) -> None:
+    """Give a curve that remembers other picks, and the settings in `wishes` (as `add_polyline` takes them)."""
+    memory.change_settings(curve, wishes)
+    update_curve(context, curve, picks)
+
+
+def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve, picks: Sequence[Any] | None = None) -> None:
     """Make the line of a curve that remembers again, by its settings, on its mesh as it is now; the same data-block.
+
+    picks : others than it remembers, as the library takes them
 
     Picks whose faces are no more are found again by position, and the curve's state says so. `context` is None in a
     handler, where everything has just been evaluated. Raises AddonError, or the
@@ -139,7 +147,7 @@ def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve) -> N
     check_object(mesh_object)
     source, with_normals = settings_of_curve.source, settings_of_curve.offset != 0.0
     opened = surface.open_surface(context, mesh_object, source=source, with_normals=with_normals)
-    recalled = memory.recall(curve, opened)
+    recalled = memory.recall(curve, opened) if picks is None else memory.Recalled(list(picks), None, False)
     options = settings.choose_line_options(settings_of_curve)
     if recalled.pinned is not None:
         options["pinned"] = recalled.pinned

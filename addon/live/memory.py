@@ -117,19 +117,29 @@ def remember(
 ) -> None:
     """Make `curve` remember: picks as the library takes them, and the options as `session.add_polyline` does."""
     memory = curve.smooth_polyline
-    pinned = wishes.get("pinned", "ends")
     memory.is_locked = True
     try:
         memory.surface = mesh_object
+    finally:
+        memory.is_locked = False
+    change_settings(curve, wishes)
+    pinned = wishes.get("pinned", "ends")
+    flags = None if isinstance(pinned, str) else [bool(flag) for flag in pinned]
+    keep(curve, mesh_object, Recalled(list(picks), flags, False), arrays, placed)
+
+
+def change_settings(curve: bpy.types.Curve, wishes: dict[str, Any]) -> None:
+    """Set what `wishes` name, as `session.add_polyline` takes them, without making the line again."""
+    memory = curve.smooth_polyline
+    memory.is_locked = True
+    try:
         for name in settings.LineSettings.__annotations__:
             wish = wishes.get(name)
-            if wish is None or (name == "pinned" and not isinstance(pinned, str)):
+            if wish is None or (name == "pinned" and not isinstance(wish, str)):
                 continue
             setattr(memory, name, wish.upper() if isinstance(wish, str) else wish)
     finally:
         memory.is_locked = False
-    flags = None if isinstance(pinned, str) else [bool(flag) for flag in pinned]
-    keep(curve, mesh_object, Recalled(list(picks), flags, False), arrays, placed)
 
 
 def keep(
