@@ -26,7 +26,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help setup dev demo images test test-rust test-native test-addon test-newest test-package test-render \
-    bench fmt lint wheel extension clean
+    test-gui bench fmt lint wheel extension clean
 
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -98,7 +98,7 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 
 # --- checking ---------------------------------------------------------------------------------------------
 
-test: test-rust test-native test-addon test-package test-render test-newest ## every test, Rust and Python, in real Blender where it matters
+test: test-rust test-native test-addon test-package test-render test-newest test-gui ## every test, Rust and Python, in real Blender where it matters
 	$(STEP) "All tests passed"
 
 test-rust: ## tests of the Rust workspace
@@ -132,6 +132,27 @@ test-newest: $(NEWEST)/.wheel.stamp ## tests of the wheel, the add-on and the pa
 	$(NEWEST)/bin/python -m pytest tests/package
 endif
 
+# Where a Blender with a window can be unpacked from Debian's packages: as root, on Debian.
+CAN_UNPACK := $(shell [ "$$(id -u)" = 0 ] && command -v apt-get dpkg-deb chroot >/dev/null && echo yes)
+
+.blender/%/.complete: blender_scripts/get_blender.sh
+	$(STEP) "Unpacking Blender from Debian $* into .blender/$* (about 320 MB, half a minute)"
+	@blender_scripts/get_blender.sh .blender/$* $*
+	@touch $@
+
+test-gui: extension ## the draw tool in real windows: Debian's Blenders, or BLENDER=/path/to/your/blender
+ifdef BLENDER
+	$(STEP) "Tests in the window of $(BLENDER)"
+	BLENDER="$(BLENDER)" $(BIN)/python -m pytest tests/gui
+else ifeq ($(CAN_UNPACK),)
+	$(STEP) "NOT RUN: the tests in a real window: this needs root on Debian, or BLENDER=/path/to/blender"
+else
+	@$(MAKE) --no-print-directory .blender/trixie/.complete
+	@$(MAKE) --no-print-directory .blender/sid/.complete || printf '\n=== %s\n' "NOT RUN: the window tests in the newest Blender, which could not be unpacked"
+	$(STEP) "Tests in a real window"
+	$(BIN)/python -m pytest tests/gui
+endif
+
 # --- measuring --------------------------------------------------------------------------------------------
 
 bench: $(BENCH)/.requirements.stamp $(WHEELS)/.built.stamp ## us and other libraries on the same queries, into docs/benchmarks.md (QUICK=1: small meshes, into out/bench)
@@ -162,4 +183,4 @@ lint: $(VENV)/.requirements.stamp ## formats, clippy, rustdoc, ruff: no change, 
 
 clean: ## remove everything that was built, and the virtual environments
 	cargo clean
-	rm -rf $(VENV) $(NEWEST) $(BENCH) dist out .pytest_cache .ruff_cache
+	rm -rf $(VENV) $(NEWEST) $(BENCH) .blender dist out .pytest_cache .ruff_cache
