@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import subprocess
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,7 +82,8 @@ class Window:
 def find_free_display():
     """The number of a display that nobody uses: neither a lock nor a socket is there."""
     for number in range(90, 200):
-        if not Path(f"/tmp/.X{number}-lock").exists() and not Path(f"/tmp/.X11-unix/X{number}").exists():
+        folder = Path(tempfile.gettempdir())
+        if not (folder / f".X{number}-lock").exists() and not (folder / ".X11-unix" / f"X{number}").exists():
             return number
     raise RuntimeError("no free display number between 90 and 199")
 
