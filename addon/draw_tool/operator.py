@@ -214,7 +214,7 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
             return {"PASS_THROUGH"}
         region = drawing.region
         mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
-        is_inside = 0 <= mouse[0] < region.width and 0 <= mouse[1] < region.height
+        is_inside = view.is_over_view(drawing.area, region, event.mouse_x, event.mouse_y)
         if event.type == "LEFTMOUSE":
             return self.handle_button(context, event, mouse, is_inside)
         if event.type == "MOUSEMOVE":

@@ -15,6 +15,18 @@ from ..surface import Surface
 from .sketch import SketchPick
 
 
+def is_over_view(area: Any, region: Any, x: int, y: int) -> bool:
+    """Whether a place of the window, in its pixels, is on `region` and on no panel, header or toolbar over it."""
+
+    def has(other: Any) -> bool:
+        return other.x <= x < other.x + other.width and other.y <= y < other.y + other.height
+
+    # A hidden region is one pixel wide or high.
+    return has(region) and not any(
+        has(other) for other in area.regions if other != region and min(other.width, other.height) > 1
+    )
+
+
 def find_pick(context: bpy.types.Context, opened: Surface, mouse: tuple[float, float], is_snapped: bool) -> Any:
     """The pick under the mouse (region pixels), or None beside the surface; snapped to a vertex or an edge's middle."""
     region, region_3d = context.region, context.region_data

@@ -1,5 +1,7 @@
 """The draw tool without a window: steps of a sketch, what lies near what, and where a script is told it belongs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -117,6 +119,18 @@ def test_snapping_offers_vertices_and_true_edges_only(scene, tool):
         found = [view.place_of(opened, triangle, weights) for weights in snaps]
         assert all(float(2 * x).is_integer() and float(2 * y).is_integer() for x, y, _ in found)
         assert all(float(x).is_integer() or float(y).is_integer() for x, y, _ in found)
+
+
+def test_panels_over_the_view_are_not_the_view(extension):
+    from bl_ext.user_default.smooth_polylines.draw_tool import view
+
+    def make_region(x, y, width, height):
+        return SimpleNamespace(x=x, y=y, width=width, height=height)
+
+    region, toolbar, hidden = make_region(0, 0, 800, 600), make_region(0, 100, 60, 400), make_region(300, 0, 1, 600)
+    area = SimpleNamespace(regions=[toolbar, region, hidden])
+    places = [(400, 300), (30, 300), (30, 50), (300, 10), (800, 300), (-1, 5)]
+    assert [view.is_over_view(area, region, *place) for place in places] == [True, False, True, True, False, False]
 
 
 def test_other_picks_for_a_curve_that_remembers(suzanne):

@@ -21,3 +21,14 @@ def test_draw_edit_undo_and_leave_on_suzanne(window):
     assert told["drawing_again"] == 1
     assert told["after_esc"] == [0, 0, 0]
     assert (told["in_edit_mode"], told["mode"]) == (1, "EDIT_MESH")
+
+
+def test_a_million_triangles(window):
+    told = window.run("dense")
+    print(told)  # times are told, not judged: machines differ
+    assert told["triangles"] > 1_000_000
+    assert told["message"] == ""
+    assert told["picks"] == 4
+    assert told["points"] > 300
+    assert told["updates"] >= 10, "the line was not made again for most of the mouse's moves"
+    assert told["objects"] == 1
