@@ -27,11 +27,18 @@ def is_over_view(area: Any, region: Any, x: int, y: int) -> bool:
     )
 
 
+def find_ray(context: bpy.types.Context, mouse: tuple[float, float]) -> tuple[Any, Any]:
+    """Origin and direction, in world space, of what the mouse (region pixels) points at."""
+    region, region_3d = context.region, context.region_data
+    return (
+        view3d_utils.region_2d_to_origin_3d(region, region_3d, mouse),
+        view3d_utils.region_2d_to_vector_3d(region, region_3d, mouse),
+    )
+
+
 def find_pick(context: bpy.types.Context, opened: Surface, mouse: tuple[float, float], is_snapped: bool) -> Any:
     """The pick under the mouse (region pixels), or None beside the surface; snapped to a vertex or an edge's middle."""
-    region, region_3d = context.region, context.region_data
-    origin = view3d_utils.region_2d_to_origin_3d(region, region_3d, mouse)
-    direction = view3d_utils.region_2d_to_vector_3d(region, region_3d, mouse)
+    origin, direction = find_ray(context, mouse)
     hits = opened.library_mesh.ray_cast(np.array([origin]), np.array([direction]))
     triangle = int(hits.triangles[0])
     if triangle < 0:
