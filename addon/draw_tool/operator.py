@@ -49,6 +49,8 @@ class Drawing:
         self.cubic_options: dict[str, Any] = {"threshold": CUBIC_THRESHOLD}
         self.opened: surface.Surface | None = None
         self.points = np.empty((0, 3))
+        self.mirror = (False, False, False)
+        self.mirrored_points: list[np.ndarray] = []
         self.length = 0.0
         self.message = ""
         self.dragged: int | None = None
@@ -63,7 +65,8 @@ class Drawing:
     def draw_view(self) -> None:
         """The line, in the view that is drawn in."""
         if bpy.context.area == self.area:
-            overlay.draw_line(bpy.context, self.points, self.sketch.state.is_closed)
+            for points in (self.points, *self.mirrored_points):
+                overlay.draw_line(bpy.context, points, self.sketch.state.is_closed)
 
     def draw_pixels(self) -> None:
         """The picks, over it."""
@@ -87,6 +90,8 @@ class Drawing:
         self.source = source or ("EVALUATED" if has_shape and context.mode == "OBJECT" else "BASE")
         self.opened = surface.open_surface(context, mesh_object, source=self.source)
         self.mesh_name = mesh_object.name
+        mesh = mesh_object.data
+        self.mirror = (mesh.use_mirror_x, mesh.use_mirror_y, mesh.use_mirror_z)
 
     def choose_options(self) -> dict[str, Any]:
         """What the library's `polyline` takes beside the picks; the detail size in world units."""
@@ -105,7 +110,7 @@ class Drawing:
     def update(self) -> None:
         """Make the line of the sketch; a refusal is told and the picks stay."""
         start = time.perf_counter()
-        self.points, self.length, self.message = np.empty((0, 3)), 0.0, ""
+        self.points, self.length, self.message, self.mirrored_points = np.empty((0, 3)), 0.0, "", []
         if self.sketch.has_line():
             self.message = guard.run_quietly(self.make_line) or ""
         self.update_milliseconds.append(1e3 * (time.perf_counter() - start))
@@ -121,6 +126,15 @@ class Drawing:
         """Ask the library."""
         line = self.opened.library_mesh.polyline(self.list_picks(), **self.choose_options())
         self.points, self.length = line.points, line.length
+        for picks in self.list_mirrored_picks():
+            mirrored = self.opened.library_mesh.polyline(picks, **self.choose_options())
+            self.mirrored_points.append(mirrored.points)
+
+    def list_mirrored_picks(self) -> list[list[Any]]:
+        """The picks of each mirrored line; an edited curve has none."""
+        if self.curve_name:
+            return []
+        return view.mirror_picks(self.opened, self.sketch.state.picks, self.mirror)
 
 
 class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
@@ -330,6 +344,8 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
             return {"FINISHED"}
         mesh_object = bpy.data.objects[drawing.mesh_name]
         added = session.add_polyline(context, mesh_object, drawing.list_picks(), source=drawing.source, **wishes)
+        for picks in drawing.list_mirrored_picks():
+            session.add_polyline(context, mesh_object, picks, source=drawing.source, **wishes)
         if context.mode == "OBJECT":
             for selected in context.selected_objects:
                 selected.select_set(False)

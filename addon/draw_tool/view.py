@@ -4,6 +4,7 @@
 Reads a region and an opened surface; changes nothing.
 """
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,22 @@ def find_pick(context: bpy.types.Context, opened: Surface, mouse: tuple[float, f
 def place_of(opened: Surface, triangle: int, weights: np.ndarray) -> np.ndarray:
     """A point of a triangle in world space."""
     return np.asarray(weights) @ opened.arrays.world_positions[opened.arrays.triangles[triangle]]
+
+
+def mirror_picks(opened: Surface, picks: tuple[SketchPick, ...], axes: tuple[bool, bool, bool]) -> list[list[Any]]:
+    """The picks on the other sides of the object's own planes, one list for each combination of mirrored axes.
+
+    Each is the point of the surface nearest to the mirrored place, so the mesh need not be quite symmetric.
+    """
+    matrix = opened.arrays.world_matrix
+    places = np.array([pick.place for pick in picks]).reshape(-1, 3)
+    local = np.linalg.solve(matrix[:3, :3], (places - matrix[:3, 3]).T).T
+    mirrored = []
+    for signs in itertools.product(*[(1, -1) if is_on else (1,) for is_on in axes]):
+        if min(signs) < 0 and len(picks) > 0:
+            there = (local * signs) @ matrix[:3, :3].T + matrix[:3, 3]
+            mirrored.append(opened.library_mesh.closest_points(there).surface_points)
+    return mirrored
 
 
 def list_snaps(opened: Surface, triangle: int) -> list[np.ndarray]:

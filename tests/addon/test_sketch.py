@@ -1,5 +1,6 @@
 """The draw tool without a window: steps of a sketch, what lies near what, and where a script is told it belongs."""
 
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -131,6 +132,32 @@ def test_panels_over_the_view_are_not_the_view(extension):
     area = SimpleNamespace(regions=[toolbar, region, hidden])
     places = [(400, 300), (30, 300), (30, 50), (300, 10), (800, 300), (-1, 5)]
     assert [view.is_over_view(area, region, *place) for place in places] == [True, False, True, True, False, False]
+
+
+@pytest.mark.parametrize(("axes", "count"), [((0, 0, 0), 0), ((1, 0, 0), 1), ((1, 1, 0), 3), ((1, 1, 1), 7)])
+def test_mirrored_picks_lie_across_the_objects_planes(scene, tool, axes, count):
+    from bl_ext.user_default.smooth_polylines import surface
+    from bl_ext.user_default.smooth_polylines.draw_tool import view
+
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, location=(1, 2, 3), rotation=(0.3, 0.5, 0.7), scale=(1, 2, 1))
+    ball = bpy.context.object
+    opened = surface.open_surface(bpy.context, ball)
+    picks = []
+    for triangle in (5, 40, 77):
+        weights = (0.2, 0.3, 0.5)
+        picks.append(tool.SketchPick(triangle, weights, tuple(view.place_of(opened, triangle, weights))))
+    mirrored = view.mirror_picks(opened, tuple(picks), tuple(map(bool, axes)))
+    assert len(mirrored) == count
+    inverse = np.linalg.inv(np.array(ball.matrix_world))
+
+    def to_local(place):
+        return inverse[:3, :3] @ place + inverse[:3, 3]
+
+    signs = [sign for sign in itertools.product(*[(1, -1) if is_on else (1,) for is_on in axes]) if min(sign) < 0]
+    for there in mirrored:
+        places = [to_local(view.place_of(opened, point.triangle, point.barycentric)) for point in there]
+        here = [to_local(pick.place) for pick in picks]
+        assert any(np.allclose(places, np.array(here) * np.array(sign), atol=0.01) for sign in signs)
 
 
 def test_other_picks_for_a_curve_that_remembers(suzanne):

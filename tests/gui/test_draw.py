@@ -21,6 +21,9 @@ def test_draw_edit_undo_and_leave_on_suzanne(window):
     assert told["drawing_again"] == 1
     assert told["after_esc"] == [0, 0, 0]
     assert (told["in_edit_mode"], told["mode"]) == (1, "EDIT_MESH")
+    assert told["with_mirror"] == 3
+    assert told["mirrored_apart"] < 1e-5
+    assert abs(told["mirrored_ends"][0]) > 0.2
 
 
 def test_a_million_triangles(window):

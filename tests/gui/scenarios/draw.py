@@ -125,5 +125,15 @@ def scenario():
     yield 0.3
     tell(in_edit_mode=len(get_curves()), mode=bpy.context.mode)
 
+    bpy.context.object.data.use_mirror_x = True
+    for place in ((0.5, -0.8, 0.5), (0.2, -0.8, 0.7)):
+        yield from click(project(place))
+    yield from until_redrawn()
+    shoot("mirrored")
+    yield from press("RET")
+    yield 0.3
+    ends = [curve.data.splines[0].points[0].co.x for curve in get_curves()[-2:]]
+    tell(with_mirror=len(get_curves()), mirrored_apart=abs(sum(ends)), mirrored_ends=ends)
+
 
 play(scenario)
