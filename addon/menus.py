@@ -4,6 +4,7 @@
 import bpy
 
 from .operators.add_polyline import MESH_OT_smooth_polyline_add
+from .operators.copy_marks import MESH_OT_smooth_polyline_copy_marks, MESH_OT_smooth_polyline_mirror_marks
 
 
 def draw_face_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
@@ -19,8 +20,22 @@ def draw_context_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
         menu.layout.operator(MESH_OT_smooth_polyline_add.bl_idname)
 
 
+def draw_edge_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """Edit Mode > Edge."""
+    menu.layout.separator()
+    menu.layout.operator(MESH_OT_smooth_polyline_mirror_marks.bl_idname)
+
+
+def draw_link_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """Object Mode > Object > Link/Transfer Data."""
+    menu.layout.separator()
+    menu.layout.operator(MESH_OT_smooth_polyline_copy_marks.bl_idname)
+
+
 ENTRIES = (
     ("VIEW3D_MT_edit_mesh_faces", draw_face_menu),
+    ("VIEW3D_MT_edit_mesh_edges", draw_edge_menu),
+    ("VIEW3D_MT_make_links", draw_link_menu),
     ("VIEW3D_MT_edit_mesh_context_menu", draw_context_menu),
 )
 

@@ -143,6 +143,21 @@ def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve, pick
     library's `smooth_polylines.Error`; the curve is as it was then.
     """
     settings_of_curve = curve.smooth_polyline
+    computed, recalled = compute_remembered(context, curve, picks)
+    mesh_object = memory.find_mesh(curve)
+    placed = place_line(computed, offset=settings_of_curve.offset, resample=settings_of_curve.resample)
+    curve_write.write_points(curve, placed.local_points, closed=computed.line.closed)
+    curve.bevel_depth = settings_of_curve.bevel or curve_write.choose_bevel(computed.arrays.local_positions)
+    memory.keep(curve, mesh_object, recalled, computed.arrays, placed)
+    if context is not None:
+        shape.place_on_shape(curve, mesh_object, context.evaluated_depsgraph_get())
+
+
+def compute_remembered(
+    context: bpy.types.Context | None, curve: bpy.types.Curve, picks: Sequence[Any] | None = None
+) -> tuple[ComputedPolyline, memory.Recalled]:
+    """Make the line of a curve that remembers again, and what it was made from; changes nothing. As `update_curve`."""
+    settings_of_curve = curve.smooth_polyline
     mesh_object = memory.find_mesh(curve)
     check_object(mesh_object)
     source, with_normals = settings_of_curve.source, settings_of_curve.offset != 0.0
@@ -154,12 +169,7 @@ def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve, pick
     computed = compute_polyline(
         context, mesh_object, recalled.picks, source=source, with_normals=with_normals, **options
     )
-    placed = place_line(computed, offset=settings_of_curve.offset, resample=settings_of_curve.resample)
-    curve_write.write_points(curve, placed.local_points, closed=computed.line.closed)
-    curve.bevel_depth = settings_of_curve.bevel or curve_write.choose_bevel(computed.arrays.local_positions)
-    memory.keep(curve, mesh_object, recalled, computed.arrays, placed)
-    if context is not None:
-        shape.place_on_shape(curve, mesh_object, context.evaluated_depsgraph_get())
+    return computed, recalled
 
 
 def place_line(computed: ComputedPolyline, *, offset: float, resample: float) -> memory.PlacedLine:

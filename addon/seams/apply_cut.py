@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Carries a cut of the library out in a BMesh: edges split where the line crosses them, faces replaced by their pieces.
+
+Blender itself interpolates whatever lies on the mesh. What the line does not touch is not touched: vertices keep their
+numbers, faces too, and of a face that is cut the first piece has the face's number. Knows no objects and no modes.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+import bmesh
+from bmesh.types import BMEdge, BMesh, BMFace, BMLoop, BMVert
+
+
+def apply_cut(edited: BMesh, cut: Any, local_positions: np.ndarray, triangles: np.ndarray) -> list[BMEdge]:
+    """Cut `edited` and return the edges of the lines, in the order of `cut.line_edges`.
+
+    edited : the mesh that the cut was made of, vertices and faces in the same order
+    cut : a `smooth_polylines.Cut`
+    local_positions, triangles : (V, 3) and (F, 3) of that mesh, in the object's space
+    """
+    edited.verts.ensure_lookup_table()
+    edited.faces.ensure_lookup_table()
+    old_count = len(local_positions)
+    # Not indexed later on: elements that are added make the lookup tables stale.
+    new_vertices: list[BMVert | None] = [None] * len(cut.vertex_triangles)
+    pieces = collect_pieces(cut)
+    faces = {parent: edited.faces[parent] for parent in pieces}
+    needed = {int(v) for polygons in pieces.values() for polygon in polygons for v in polygon if v < old_count}
+    needed |= {int(v) for v in np.asarray(cut.line_edges).ravel() if v < old_count}
+    needed |= {int(v) for v in np.asarray(cut.vertex_edges).ravel() if v >= 0}
+    is_inside = np.asarray(cut.vertex_edges)[:, 0] < 0
+    corners = triangles[np.asarray(cut.vertex_triangles)]
+    needed |= {int(v) for v in corners[is_inside].ravel()}
+    old_vertices = {vertex: edited.verts[vertex] for vertex in needed}
+
+    # Before the edges are split: the vertices that the new ones are weighed from are then as they were.
+    for row in np.flatnonzero(is_inside):
+        weights = np.asarray(cut.vertex_barycentric[row], dtype=np.float64)
+        place = weights @ local_positions[corners[row]]
+        new_vertices[row] = add_vertex(edited, [old_vertices[int(v)] for v in corners[row]], weights, place)
+    split_edges(edited, cut, old_vertices, new_vertices)
+
+    def get_vertex(number: int) -> BMVert:
+        return old_vertices[number] if number < old_count else new_vertices[number - old_count]
+
+    for parent, polygons in pieces.items():
+        replace_face(edited, faces[parent], [[get_vertex(int(v)) for v in polygon] for polygon in polygons])
+    return [edited.edges.get((get_vertex(int(a)), get_vertex(int(b)))) for a, b in np.asarray(cut.line_edges)]
+
+
+def collect_pieces(cut: Any) -> dict[int, list[np.ndarray]]:
+    """The vertices of every piece of each face that falls into more than one, by the face.
+
+    A face that only got a vertex into an edge has been given it when the edge was split.
+    """
+    parents = np.asarray(cut.polygon_parents)
+    offsets = np.asarray(cut.polygon_offsets)
+    is_cut = np.bincount(parents, minlength=1)[parents] > 1
+    pieces: dict[int, list[np.ndarray]] = {}
+    for polygon in np.flatnonzero(is_cut):
+        corners = np.asarray(cut.polygon_corners[offsets[polygon] : offsets[polygon + 1]])
+        pieces.setdefault(int(parents[polygon]), []).append(corners)
+    return pieces
+
+
+def add_vertex(edited: BMesh, corners: Sequence[BMVert], weights: np.ndarray, place: np.ndarray) -> BMVert:
+    """A new vertex inside a triangle, with what its three corners carry, weighed."""
+    vertex = edited.verts.new(place, corners[int(np.argmax(weights))])
+    # Blender interpolates between two at a time; the heaviest come first, so that no sum is 0.
+    first, second, third = np.argsort(-weights, kind="stable")
+    pair = weights[first] + weights[second]
+    vertex.copy_from_vert_interp((corners[first], corners[second]), float(weights[second] / pair))
+    if weights[third] > 0.0:
+        vertex.copy_from_vert_interp((vertex, corners[third]), float(weights[third]))
+    vertex.co = place
+    vertex.select = False
+    return vertex
+
+
+def split_edges(edited: BMesh, cut: Any, old_vertices: dict[int, BMVert], new_vertices: list[BMVert | None]) -> None:
+    """Split every crossed edge at its parameters, from its first vertex on; fills `new_vertices`."""
+    ends = np.asarray(cut.vertex_edges)
+    parameters = np.asarray(cut.vertex_parameters, dtype=np.float64)
+    # All rows of an edge count from the vertex of the lower number.
+    is_turned = ends[:, 0] > ends[:, 1]
+    parameters = np.where(is_turned, 1.0 - parameters, parameters)
+    lower, upper = ends.min(axis=1), ends.max(axis=1)
+    rows = np.flatnonzero(lower >= 0)
+    rows = rows[np.lexsort((parameters[rows], upper[rows], lower[rows]))]
+    previous: tuple[int, int] | None = None
+    for row in rows:
+        key = (int(lower[row]), int(upper[row]))
+        if key != previous:
+            start, end, passed = old_vertices[key[0]], old_vertices[key[1]], 0.0
+            edge = edited.edges.get((start, end))
+            is_selected = edge.select
+            previous = key
+        part = (parameters[row] - passed) / (1.0 - passed)
+        # The edge itself keeps what lies beyond the new vertex.
+        _, start = bmesh.utils.edge_split(edge, start, float(part))
+        start.select = is_selected
+        new_vertices[row] = start
+        passed = parameters[row]
+
+
+def replace_face(edited: BMesh, face: BMFace, polygons: Sequence[Sequence[BMVert]]) -> None:
+    """Put the pieces in the place of `face`: corners that it had with all they carry, others weighed within it."""
+    is_selected = face.select
+    # A copy to read from, so that the first piece gets the number that the face leaves free.
+    model = face.copy(verts=False, edges=False)
+    corner_of = {corner.vert: corner for corner in model.loops}
+    edited.faces.remove(face)
+    for polygon in polygons:
+        piece = edited.faces.new(polygon, model)
+        for corner in piece.loops:
+            old = corner_of.get(corner.vert)
+            if old is None:
+                weigh_corner(corner, model)
+            else:
+                corner.copy_from(old)
+        piece.normal_update()
+        if is_selected:
+            piece.select_set(True)
+    edited.faces.remove(model)
+
+
+def weigh_corner(corner: BMLoop, face: BMFace) -> None:
+    """Give a corner inside `face` what the face carries there; its vertex, and multires data, stay as they are."""
+    arguments = (face, False, False)
+    try:
+        corner.copy_from_face_interp(*arguments)
+    except TypeError:
+        # Versions that were made for one argument take all of them as one.
+        corner.copy_from_face_interp(arguments)
