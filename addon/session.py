@@ -112,6 +112,26 @@ def add_polyline(
     Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
     """
     computed = compute_polyline(context, mesh_object, picks, source=source, with_normals=offset != 0.0, **line_options)
+    wishes = {**line_options, "source": source, "bevel": bevel, "offset": offset, "resample": resample}
+    return add_computed_polyline(context, mesh_object, computed, name=name, **wishes)
+
+
+def add_computed_polyline(
+    context: bpy.types.Context,
+    mesh_object: bpy.types.Object,
+    computed: ComputedPolyline,
+    *,
+    bevel: float | None = None,
+    offset: float = 0.0,
+    resample: float = 0.0,
+    name: str = DEFAULT_NAME,
+    **wishes: Any,
+) -> AddedPolyline:
+    """Add a line that was made by `compute_polyline` to the scene, as `add_polyline` does.
+
+    wishes : what the line was computed with, for the curve to remember; a line without picks, as one made along a drawn
+        stroke, remembers nothing
+    """
     placed = place_line(computed, offset=offset, resample=resample)
     curve_object = curve_write.write_curve(
         context,
@@ -121,9 +141,10 @@ def add_polyline(
         bevel=curve_write.choose_bevel(computed.arrays.local_positions) if bevel is None else bevel,
         name=name,
     )
-    wishes = {**line_options, "source": source, "bevel": bevel, "offset": offset, "resample": resample}
-    memory.remember(curve_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
-    shape.place_on_shape(curve_object.data, mesh_object, context.evaluated_depsgraph_get())
+    if computed.picks:
+        wishes = {**wishes, "bevel": bevel, "offset": offset, "resample": resample}
+        memory.remember(curve_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
+        shape.place_on_shape(curve_object.data, mesh_object, context.evaluated_depsgraph_get())
     return AddedPolyline(curve_object, computed.line, computed.picks)
 
 

@@ -1,0 +1,205 @@
+"""The lines and nets of a job on one mesh object: computed, and put into the file as curves where the job wants them.
+
+One bad line is an entry and the others go on. Holds no geometry (the library's) and no files.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import bpy
+
+from batching.outcome import make_entry
+
+from . import find_strokes
+from .addon_door import get_module
+from .fault import FileFault
+from .find_picks import PickFinder
+
+OPTION_NAMES = ("closed", "filter", "pinned", "solver", "knots", "support", "threshold", "max_iterations", "detail_size")
+
+
+@dataclass(frozen=True)
+class MadeLine:
+    """One line on one object."""
+
+    name: str
+    mesh_object: bpy.types.Object
+    computed: Any  # the add-on's ComputedPolyline: line, picks, arrays
+    curve_object: bpy.types.Object | None
+    settings: dict[str, Any]
+
+
+class LineMaker:
+    """Makes lines on one object after another for one file, and keeps the entries of the report."""
+
+    def __init__(self, package: str, job: dict[str, Any], item_name: str) -> None:
+        self._session = get_module(package, "session")
+        self._surface = get_module(package, "surface")
+        self._mesh_read = get_module(package, "mesh_read")
+        self._guard = get_module(package, "guard")
+        self._library = get_module(package, "native").load_library()
+        self._errors = get_module(package, "errors")
+        self._job = job
+        self._item_name = item_name
+        self._source = job["source"].upper()
+        self.made: list[MadeLine] = []
+        self.entries: list[dict[str, Any]] = []
+
+    def make_all(self, mesh_object: bpy.types.Object, lines: list[dict[str, Any]], nets: list[dict[str, Any]]) -> None:
+        """All lines and nets on one object."""
+        for line in lines:
+            if "picks" in line:
+                self._try(mesh_object, line["name"], lambda line=line: self._make_from_picks(mesh_object, line))
+            else:
+                self._try(mesh_object, line["name"], lambda line=line: self._make_along(mesh_object, line))
+        for net in nets:
+            self._try(mesh_object, net["name"], lambda net=net: self._make_net(mesh_object, net))
+
+    def _try(self, mesh_object: bpy.types.Object, name: str, work: Callable[[], None]) -> None:
+        """Do `work`; what it refuses becomes an entry."""
+        try:
+            work()
+        except FileFault as fault:
+            self._fail(mesh_object, name, fault.error, str(fault))
+        except self._errors.AddonError as error:
+            self._fail(mesh_object, name, type(error).__name__, str(error))
+        except self._library.Error as error:
+            self._fail(mesh_object, name, type(error).__name__, str(error))
+
+    def _fail(self, mesh_object: bpy.types.Object, name: str, error: str, message: str) -> None:
+        self.entries.append(make_entry(self._item_name, error, message, object_name=mesh_object.name, line=name))
+
+    def _open(self, mesh_object: bpy.types.Object) -> Any:
+        self._session.check_object(mesh_object)
+        return self._surface.open_surface(
+            bpy.context, mesh_object, source=self._source, with_normals=self._curves().get("offset", 0.0) != 0.0
+        )
+
+    def _curves(self) -> dict[str, Any]:
+        return self._job["make"].get("curves", {})
+
+    def _find_picks(self, mesh_object: bpy.types.Object, picks: list[Any]) -> tuple[list[Any], list[bool] | None]:
+        finder = PickFinder(
+            self._library,
+            self._mesh_read,
+            mesh_object,
+            self._source,
+            self._open(mesh_object),
+            self._job["search_radius"],
+        )
+        return finder.find_all(picks)
+
+    def _make_from_picks(self, mesh_object: bpy.types.Object, line: dict[str, Any]) -> None:
+        picks, flags = self._find_picks(mesh_object, line["picks"])
+        options = {name: line[name] for name in OPTION_NAMES}
+        if flags is not None:
+            options["pinned"] = self._choose_flags(flags, line)
+        self._compute_and_keep(mesh_object, line["name"], picks, options)
+
+    @staticmethod
+    def _choose_flags(flags: list[bool], line: dict[str, Any]) -> list[bool]:
+        """One a pick; the ends of an open line are pinned always, and "all" cannot be taken back by leaving it out."""
+        chosen = [flag or line["pinned"] == "all" for flag in flags]
+        if not line["closed"]:
+            chosen[0] = chosen[-1] = True
+        return chosen
+
+    def _compute_and_keep(self, mesh_object: bpy.types.Object, name: str, picks: list[Any], options: dict) -> None:
+        computed = self._session.compute_polyline(
+            bpy.context,
+            mesh_object,
+            picks,
+            source=self._source,
+            with_normals=self._curves().get("offset", 0.0) != 0.0,
+            **options,
+        )
+        self._keep(mesh_object, name, computed, options)
+
+    def _make_along(self, mesh_object: bpy.types.Object, line: dict[str, Any]) -> None:
+        strokes = find_strokes.find_strokes(line["along"])
+        options = {name: line[name] for name in OPTION_NAMES}
+        opened = self._open(mesh_object)
+        finder = PickFinder(
+            self._library, self._mesh_read, mesh_object, self._source, opened, self._job["search_radius"]
+        )
+        radius = finder.choose_radius(line["along"].get("radius"))
+        for number, (points, is_closed) in enumerate(strokes):
+            name = line["name"] if len(strokes) == 1 else f"{line['name']}.{number}"
+            self._try(
+                mesh_object,
+                name,
+                lambda points=points, is_closed=is_closed, name=name: self._make_stroke(
+                    mesh_object, name, opened, points, {**options, "closed": is_closed or options["closed"]}, radius
+                ),
+            )
+
+    def _make_stroke(
+        self, mesh_object: bpy.types.Object, name: str, opened: Any, points: np.ndarray, options: dict, radius: float
+    ) -> None:
+        distances = opened.library_mesh.closest_points(points).distances
+        farthest = int(np.argmax(distances))
+        if distances[farthest] > radius:
+            raise FileFault(
+                "GuideError",
+                f"point {farthest} of the guide is {distances[farthest]:.6g} away from the surface, more than the search "
+                f"radius {radius:.6g}",
+            )
+        wishes = dict(options)
+        if wishes["detail_size"] is not None:
+            wishes["detail_size"] *= self._mesh_read.measure_mean_scale(opened.arrays.world_matrix)
+        line = opened.library_mesh.stroke(points, **wishes)
+        # Without picks: the curve has none to be edited by.
+        self._keep(mesh_object, name, self._session.ComputedPolyline(line, [], opened.arrays), options)
+
+    def _make_net(self, mesh_object: bpy.types.Object, net: dict[str, Any]) -> None:
+        picks, _ = self._find_picks(mesh_object, net["picks"])
+        options = {name: net[name] for name in OPTION_NAMES}
+        for first, second in list_connections(net["connections"], len(picks)):
+            name = f"{net['name']}[{first}-{second}]"
+            self._try(
+                mesh_object,
+                name,
+                lambda ends=(first, second), name=name: self._compute_and_keep(
+                    mesh_object, name, [picks[end] for end in ends], options
+                ),
+            )
+
+    def _keep(self, mesh_object: bpy.types.Object, name: str, computed: Any, options: dict[str, Any]) -> None:
+        """Make the curve object where the job wants one, and the entry."""
+        curve_object = None
+        if "curves" in self._job["make"]:
+            added = self._session.add_computed_polyline(
+                bpy.context, mesh_object, computed, name=name, source=self._source, **self._curves(), **options
+            )
+            curve_object = added.curve_object
+        self.made.append(MadeLine(name, mesh_object, computed, curve_object, options))
+        line = computed.line
+        self.entries.append(
+            {
+                "file": self._item_name,
+                "object": mesh_object.name,
+                "line": name,
+                "status": "done",
+                "filter": options["filter"],
+                "closed": line.closed,
+                "points": len(line.points),
+                "length": line.length,
+                "iterations": line.report.iterations,
+                "stop_reason": line.report.stop_reason,
+            }
+        )
+
+
+def list_connections(connections: str | list[list[int]], count: int) -> list[tuple[int, int]]:
+    """Pairs of picks; FileFault for what is not to be had in this version."""
+    if connections == "all":
+        return [(a, b) for a in range(count) for b in range(a + 1, count)]
+    if connections in ("chain", "loop"):
+        pairs = [(k, k + 1) for k in range(count - 1)]
+        return pairs + ([(count - 1, 0)] if connections == "loop" and count > 2 else [])
+    if connections == "automatic":
+        raise FileFault("NotSupportedError", "automatic connections are not there yet; name the pairs, or all, chain or loop")
+    return [(a, b) for a, b in connections]
