@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from batching import command_line  # noqa: E402
+from batching import command_line
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""What can be told of an input without opening it in Blender: there, readable, not empty, and of the kind that its name says."""
+"""What can be told of an input without opening it: there, readable, not empty, of the kind that its name says."""
 
 from .plan import Item
 

@@ -115,7 +115,9 @@ def list_reference_faults(value: dict[str, Any]) -> list[str]:
         for k, pair in enumerate(connections):
             place = f"nets[{index}].connections[{k}]"
             if max(pair) >= len(net["picks"]):
-                faults.append(f"{place}: pick {max(pair)} is out of range; the net has {len(net['picks'])} picks, from 0")
+                faults.append(
+                    f"{place}: pick {max(pair)} is out of range; the net has {len(net['picks'])} picks, from 0"
+                )
             elif pair[0] == pair[1]:
                 faults.append(f"{place}: joins pick {pair[0]} to itself")
     for place, line in (("options", value.get("options", {})), *_list_lines(value)):

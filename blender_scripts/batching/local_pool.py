@@ -3,7 +3,6 @@
 import queue
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from .errors import StopRun
@@ -20,13 +19,11 @@ class LocalPool:
     def __init__(self, job: Job, command: list[str], count: int, label: str) -> None:
         logs = job.output / STATE_FOLDER / "logs"
         self._limits = job.values["limits"]
-        self._workers = [
-            WorkerProcess(command, job.setup, logs / f"worker-{label}-{k + 1}.log") for k in range(count)
-        ]
+        self._workers = [WorkerProcess(command, job.setup, logs / f"worker-{label}-{k + 1}.log") for k in range(count)]
         self._is_stopped = threading.Event()
 
     def start_first(self) -> dict[str, Any]:
-        """Start one worker, so that what is wrong with all is known before anything is done; what it tells of itself."""
+        """Start one worker: what is wrong with all is known before anything is done. What it tells of itself."""
         self._workers[0].start()
         return self._workers[0].hello
 

@@ -1,6 +1,6 @@
-"""The report of a run: one line of JSON for each line on each object, or for a file of which nothing came, and a summary.
+"""The report of a run: one line of JSON for each line on each object, or for a file without any, and a summary.
 
-Made from what the journals and results say, in the order of the plan; it holds no times, so equal runs give equal reports.
+Made from what the journals and results say, in the order of the plan; it holds no times: equal runs give equal reports.
 """
 
 from collections import Counter

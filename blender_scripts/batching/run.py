@@ -33,7 +33,9 @@ class State:
     """What is known of the items, and which are to be done."""
 
     items: list[Item]
-    notes: dict[str, dict[str, Any]] = field(default_factory=dict)  # by result; of items that are done or failed for good
+    notes: dict[str, dict[str, Any]] = field(
+        default_factory=dict
+    )  # by result; of items that are done or failed for good
     to_do: list[Item] = field(default_factory=list)
 
 
@@ -133,4 +135,6 @@ def tell_times(progress: Progress, fresh: list[dict[str, Any]], seconds: float) 
     whole = sum(total.values()) or 1.0
     parts = ", ".join(f"{name} {100 * part / whole:.0f} %" for name, part in sorted(total.items(), key=lambda p: -p[1]))
     rate = 60 * len(fresh) / max(seconds, 1e-9)
-    progress.say(f"{len(fresh)} files in {tell_duration(seconds)}: {rate:.0f} files a minute" + (f" ({parts})" if parts else ""))
+    progress.say(
+        f"{len(fresh)} files in {tell_duration(seconds)}: {rate:.0f} files a minute" + (f" ({parts})" if parts else "")
+    )

@@ -47,8 +47,10 @@ def hold_run_lock(output: Path, shard: Shard) -> Iterator[bool]:
                 raise JobError(
                     f"another run ({held_by}) is writing into {output}; wait for it, stop it, or choose another folder"
                 )
-        own = open(folder / f"run-{shard.number}-of-{shard.count}.lock", "a+b")  # noqa: SIM115  (closed below)
-        with contextlib.suppress(OSError):  # a file system without locks: the last to come wins, each result is still whole
+        own = open(folder / f"run-{shard.number}-of-{shard.count}.lock", "a+b")
+        with contextlib.suppress(
+            OSError
+        ):  # a file system without locks: the last to come wins, each result is still whole
             _lock(own)
         own.truncate(0)
         own.write(json.dumps({"host": socket.gethostname(), "process": os.getpid()}).encode())

@@ -89,9 +89,7 @@ def _check_number(value: float, schema: dict[str, Any], here: str, faults: list[
         faults.append(f"{here}: {show(value)} is above the most, {schema['maximum']}")
 
 
-def _check_array(
-    value: list[Any], schema: dict[str, Any], root: dict[str, Any], place: str, faults: list[str]
-) -> None:
+def _check_array(value: list[Any], schema: dict[str, Any], root: dict[str, Any], place: str, faults: list[str]) -> None:
     here, least, most = place or "the job", schema.get("minItems", 0), schema.get("maxItems")
     if len(value) < least or (most is not None and len(value) > most):
         wanted = str(least) if least == most else f"at least {least}" if most is None else f"{least} to {most}"
@@ -120,7 +118,7 @@ def _check_object(
 def _check_one_of(
     value: Any, branches: list[dict[str, Any]], root: dict[str, Any], place: str, faults: list[str]
 ) -> None:
-    """The branches differ by their types, their values, or by a required key: the one that is meant says what is wrong."""
+    """The branches differ by their types or by a required key: the one that is meant says what is wrong."""
     resolved = [_resolve(branch["$ref"], root) if "$ref" in branch else branch for branch in branches]
     meant = [b for b in resolved if "type" not in b or is_of_type(value, b["type"])]
     if isinstance(value, dict) and len(meant) > 1:

@@ -1,43 +1,30 @@
-"""Takes out of a .blend file what differs from run to run: the memory addresses that stand for its pointers.
+"""Takes out of a .blend file what differs from run to run, so that the same data give the same bytes.
 
 Blender up to 4.5 writes the addresses its data had in memory, and finds what belongs together by comparing them. Here
-every address is replaced by a number, counted in the order of first appearance: a one-to-one renaming, so the file means the same, and
-the same data give the same bytes. Knows the file format's own description of itself (block DNA1), and no Blender.
+every address is replaced by a number, counted in the order of first appearance: a one-to-one renaming, so the file
+means the same. What else is left over of a session goes: counters of data-blocks, bytes behind the end of texts and
+arrays, and in new meshes the second of their making. Newer formats number by themselves and are left alone.
 """
 
-import functools
-import math
-import struct
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from .blend_layout import (
+    ADDRESS_IN_HEADER,
+    Block,
+    StructLayouts,
+    UnknownLayoutError,
+    describe_structs,
+    list_blocks,
+)
+
 # What stands for an address: high enough to be no small count, a multiple of 16 as real addresses are.
 FIRST_NUMBER = 1 << 40
 NUMBER_STEP = 16
-HEADER_SIZE = 12
-BLOCK_HEADER = struct.Struct("<4siQii")
-
-
-class UnknownLayoutError(Exception):
-    """The file is not laid out as expected; it has been left as it was."""
-
-
-@dataclass(frozen=True)
-class Block:
-    """One block of the file."""
-
-    code: bytes
-    start: int  # of its header
-    size: int  # of its data
-    address: int
-    struct_index: int
-    count: int
-
-    @property
-    def data(self) -> slice:
-        return slice(self.start + BLOCK_HEADER.size, self.start + BLOCK_HEADER.size + self.size)
+TEXT_PROPERTY = 0  # IDP_STRING
+# Kinds of mesh attributes with one byte an element: CD_PROP_INT8 and CD_PROP_BOOL.
+BYTE_LAYERS = (45, 50)
 
 
 def stabilise_blend(path: Path, *, is_imported: bool) -> bool:
@@ -57,8 +44,11 @@ def stabilise_blend(path: Path, *, is_imported: bool) -> bool:
     if dna is None:
         raise UnknownLayoutError("the file does not describe its structs")
     layouts = describe_structs(data[dna.data].tobytes())
+    clear_padding(data, blocks, layouts)
     rename_addresses(data, blocks, layouts)
     sort_screen_edges(data, blocks, layouts)
+    for place in find_session_counters(blocks, layouts):
+        data[place : place + 4] = 0
     if is_imported:
         for places in find_field(blocks, layouts, "Mesh", "face_sets_color_seed"):
             data[places : places + 4] = 0
@@ -66,128 +56,9 @@ def stabilise_blend(path: Path, *, is_imported: bool) -> bool:
     return True
 
 
-def list_blocks(data: np.ndarray) -> list[Block]:
-    """All blocks up to the end mark."""
-    blocks, start, view = [], HEADER_SIZE, memoryview(data)
-    while start + BLOCK_HEADER.size <= len(data):
-        code, size, address, struct_index, count = BLOCK_HEADER.unpack_from(view, start)
-        if size < 0 or start + BLOCK_HEADER.size + size > len(data):
-            break
-        blocks.append(Block(code, start, size, address, struct_index, count))
-        if code == b"ENDB":
-            return blocks
-        start += BLOCK_HEADER.size + size
-    raise UnknownLayoutError("the blocks do not end where the file does")
-
-
-class StructLayouts:
-    """Where the pointers are in each struct that the file describes."""
-
-    def __init__(self, dna: bytes) -> None:
-        self._dna = dna
-        self._at = 8
-        if dna[:8] != b"SDNANAME":
-            raise UnknownLayoutError("the description of the structs has another form")
-        self.names = self._read_strings()
-        self._expect(b"TYPE")
-        self.types = self._read_strings()
-        self._expect(b"TLEN")
-        self.lengths = self._read_shorts(len(self.types))
-        self._at += self._at % 4
-        self._expect(b"STRC")
-        (count,) = struct.unpack_from("<i", dna, self._at)
-        self._at += 4
-        self.structs = []
-        for _ in range(count):
-            type_index, field_count = self._read_shorts(2)
-            self.structs.append((type_index, self._read_shorts(2 * field_count).reshape(-1, 2)))
-        self._struct_of_type = {int(t): k for k, (t, _) in enumerate(self.structs)}
-        self._pointers: dict[int, tuple[list[int], list[int]]] = {}
-
-    def _expect(self, word: bytes) -> None:
-        self._at = (self._at + 3) & ~3
-        if self._dna[self._at : self._at + 4] != word:
-            raise UnknownLayoutError(f"the description of the structs lacks {word.decode()}")
-        self._at += 4
-
-    def _read_strings(self) -> list[str]:
-        (count,) = struct.unpack_from("<i", self._dna, self._at)
-        self._at += 4
-        strings = []
-        for _ in range(count):
-            end = self._dna.index(b"\0", self._at)
-            strings.append(self._dna[self._at : end].decode("ascii"))
-            self._at = end + 1
-        return strings
-
-    def _read_shorts(self, count: int) -> np.ndarray:
-        values = np.frombuffer(self._dna, dtype="<i2", count=count, offset=self._at).astype(np.int64)
-        self._at += 2 * count
-        return values
-
-    def name(self, struct_index: int) -> str:
-        """Of a struct."""
-        return self.types[self.structs[struct_index][0]]
-
-    def offset(self, struct_index: int, field: str) -> int:
-        """Where a field begins, by its name as the file has it, with its stars and brackets."""
-        offset = 0
-        for type_index, name_index in self.structs[struct_index][1]:
-            if self.names[name_index] == field:
-                return offset
-            offset += self._measure(int(type_index), self.names[name_index])
-        raise UnknownLayoutError(f"{self.name(struct_index)} has no field {field}")
-
-    def _measure(self, type_index: int, name: str) -> int:
-        """Bytes of a field."""
-        return (8 if name.startswith(("*", "(")) else int(self.lengths[type_index])) * count_repeats(name)
-
-    def size(self, struct_index: int) -> int:
-        """Bytes of one struct."""
-        return int(self.lengths[self.structs[struct_index][0]])
-
-    def pointers(self, struct_index: int) -> tuple[list[int], list[int]]:
-        """Offsets of all pointers in the struct, nested ones too, and of those that point to arrays of pointers."""
-        if struct_index not in self._pointers:
-            plain, double, offset = [], [], 0
-            for type_index, name_index in self.structs[struct_index][1]:
-                name = self.names[name_index]
-                repeat = count_repeats(name)
-                if name.startswith(("*", "(")):
-                    step = 8
-                    offsets = [offset + step * k for k in range(repeat)]
-                    plain += offsets
-                    if name.startswith("**"):
-                        double += offsets
-                else:
-                    step = int(self.lengths[type_index])
-                    inner = self._struct_of_type.get(int(type_index))
-                    if inner is not None:
-                        inner_plain, inner_double = self.pointers(inner)
-                        for k in range(repeat):
-                            plain += [offset + step * k + at for at in inner_plain]
-                            double += [offset + step * k + at for at in inner_double]
-                offset += step * repeat
-            if offset != self.size(struct_index):
-                raise UnknownLayoutError(f"the fields of {self.types[self.structs[struct_index][0]]} do not add up")
-            self._pointers[struct_index] = plain, double
-        return self._pointers[struct_index]
-
-
-def count_repeats(name: str) -> int:
-    """How many elements a field has: the product of the numbers in brackets."""
-    return math.prod(int(part.rstrip("]")) for part in name.split("[")[1:])
-
-
-@functools.lru_cache(maxsize=4)
-def describe_structs(dna: bytes) -> StructLayouts:
-    """The layouts that a block DNA1 describes: the same for all files of one Blender."""
-    return StructLayouts(dna)
-
-
 def rename_addresses(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
     """Replace every address in `data`, in place."""
-    places = [np.array([block.start + 8 for block in blocks], dtype=np.int64)]
+    places = [np.array([block.start + ADDRESS_IN_HEADER for block in blocks], dtype=np.int64)]
     arrays_of_pointers = set()
     for block in blocks:
         if block.code in (b"DNA1", b"ENDB") or block.struct_index == 0:
@@ -253,3 +124,67 @@ def sort_screen_edges(data: np.ndarray, blocks: list[Block], layouts: StructLayo
         ends = data[first : first + 8].copy(), data[second : second + 8].copy()
         if ends[0].view("<u8")[0] > ends[1].view("<u8")[0]:
             data[first : first + 8], data[second : second + 8] = ends[1], ends[0]
+
+
+def find_session_counters(blocks: list[Block], layouts: StructLayouts) -> list[int]:
+    """Where data-blocks keep the number that they had in the session; it is given anew on reading."""
+    places = []
+    for block in blocks:
+        if block.code == b"DNA1" or not layouts.is_data_block(block.struct_index):
+            continue
+        inner = layouts.find("ID")
+        size = layouts.size(block.struct_index)
+        offset = layouts.offset(inner, "session_uid" if layouts.has(inner, "session_uid") else "session_uuid")
+        places += [block.data.start + size * k + offset for k in range(block.count)]
+    return places
+
+
+def clear_padding(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
+    """Blocks are rounded up to 4 bytes with whatever lay behind in memory: zero, where the true length is known."""
+    by_address = {block.address: block for block in blocks if block.struct_index == 0}
+    for address in find_texts(data, blocks, layouts):
+        block = by_address.get(address)
+        if block is not None:
+            ends = np.flatnonzero(data[block.data] == 0)
+            if len(ends) and ends[0] >= block.size - 4:
+                data[block.data.start + int(ends[0]) : block.data.stop] = 0
+    for address, count in find_byte_layers(data, blocks, layouts):
+        block = by_address.get(address)
+        if block is not None and block.size - 4 < count < block.size:
+            data[block.data.start + count : block.data.stop] = 0
+
+
+def find_texts(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> list[int]:
+    """Addresses of texts: what pointers to characters point to, and properties that are texts."""
+    places: list[int] = []
+    for block in blocks:
+        if block.code == b"DNA1" or block.struct_index == 0:
+            continue
+        size = layouts.size(block.struct_index)
+        for offset in layouts.text_pointers(block.struct_index):
+            places += [block.data.start + size * k + offset for k in range(block.count)]
+    kinds = find_field(blocks, layouts, "IDProperty", "type")
+    values = find_field(blocks, layouts, "IDProperty", "data")
+    places += [value for kind, value in zip(kinds, values, strict=True) if data[kind] == TEXT_PROPERTY]
+    return read_addresses(data, np.array(places, dtype=np.int64)).tolist()
+
+
+def find_byte_layers(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> list[tuple[int, int]]:
+    """Address and number of elements of the meshes' attributes with one byte an element."""
+    layers_at = {block.address: block for block in blocks if layouts.name(block.struct_index) == "CustomDataLayer"}
+    if not layers_at:
+        return []
+    layer = layouts.find("CustomDataLayer")
+    kind, values = layouts.offset(layer, "type"), layouts.offset(layer, "*data")
+    found = []
+    for custom_data, total in (("vdata", "totvert"), ("edata", "totedge"), ("pdata", "totpoly"), ("ldata", "totloop")):
+        for where, count_at in zip(
+            find_field(blocks, layouts, "Mesh", custom_data), find_field(blocks, layouts, "Mesh", total), strict=True
+        ):
+            count = int(data[count_at : count_at + 4].view("<i4")[0])
+            block = layers_at.get(int(data[where : where + 8].view("<u8")[0]))
+            for k in range(block.count if block is not None else 0):
+                start = block.data.start + layouts.size(layer) * k
+                if int(data[start + kind : start + kind + 4].view("<i4")[0]) in BYTE_LAYERS:
+                    found.append((int(data[start + values : start + values + 8].view("<u8")[0]), count))
+    return found

@@ -1,7 +1,7 @@
 """The folder of results on disk: written whole or not at all, found again, and what a run keeps beside them.
 
-A file's results are one folder, made under another name and renamed when all of it is on the disk. Beside them `.batch` holds the
-journals of runs, which say what was done and what failed. Holds no Blender: workers and runs both use it.
+A file's results are one folder, made under another name and renamed when all of it is on the disk. Beside them `.batch`
+holds the journals of runs, which say what was done and what failed. No Blender in here: workers and runs both use it.
 """
 
 import contextlib
@@ -33,7 +33,7 @@ def find_result(output: Path, result: str) -> Path:
 def open_part(output: Path, result: str) -> Iterator[Path]:
     """A new folder to write an item's results into; renamed to its own name at the end, removed on a failure.
 
-    Whoever looks sees all results of a file or none, also after a power cut: everything is on the disk before the name changes.
+    Whoever looks sees all results or none, also after a power cut: all is on the disk before the name changes.
     """
     target = find_result(output, result)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -138,7 +138,7 @@ class Journal:
     def __init__(self, output: Path, name: str) -> None:
         self.path = output / STATE_FOLDER / f"journal-{name}.jsonl"
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self._file = open(self.path, "ab")  # noqa: SIM115  (closed by close)
+        self._file = open(self.path, "ab")
         if self._file.tell() > 0:
             # A line that a crash cut off must not take the next one with it.
             self._file.write(b"\n")
@@ -155,7 +155,7 @@ class Journal:
 
 
 def read_journals(output: Path) -> dict[str, dict[str, Any]]:
-    """The newest note on each result, from the journals of all runs into this folder; what is cut off is passed over."""
+    """The newest note on each result, from the journals of all runs into this folder; what is cut off counts not."""
     notes: dict[str, dict[str, Any]] = {}
     for path in sorted((output / STATE_FOLDER).glob("journal-*.jsonl")):
         with contextlib.suppress(OSError):

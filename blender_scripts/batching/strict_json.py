@@ -57,7 +57,9 @@ def check_depth(text: str, name: str) -> None:
             depth += 1
             if depth > DEEPEST:
                 line = text.count("\n", 0, match.start()) + 1
-                raise JobError(f"{name}, line {line}: more than {DEEPEST} levels of brackets; a job has no use for them")
+                raise JobError(
+                    f"{name}, line {line}: more than {DEEPEST} levels of brackets; a job has no use for them"
+                )
         elif letter in "]}":
             depth -= 1
 

@@ -1,7 +1,7 @@
 """One worker process with a Blender in it: started, given files one after another, watched, ended.
 
-Talks in lines of JSON over the process's input and output; whatever else Blender prints goes to a log. Holds no Blender itself, and
-no knowledge of what is done with a file.
+Talks in lines of JSON over the process's input and output; whatever else Blender prints goes to a log. Holds no Blender
+itself, and no knowledge of what is done with a file.
 """
 
 import contextlib

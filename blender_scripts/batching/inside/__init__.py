@@ -1,1 +1,1 @@
-"""What a worker process does inside Blender with one file. Everything in here may import bpy; nothing outside imports it."""
+"""What a worker process does in Blender with one file. Everything in here may import bpy; nothing outside does."""

@@ -1,4 +1,4 @@
-"""The add-on as the batch uses it: the installed extension in a Blender program, the source folder with the bpy module."""
+"""The add-on as the batch uses it: the installed extension in a Blender program, the sources with the bpy module."""
 
 import importlib
 import importlib.util

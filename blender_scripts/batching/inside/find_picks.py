@@ -1,4 +1,7 @@
-"""Picks of a job on an opened mesh: faces, points in space, vertex groups and attribute values become what the library takes."""
+"""Picks of a job on an opened mesh: faces, points in space, vertex groups and attribute values, found on the surface.
+
+Reads only; what it gives are picks as the library takes them.
+"""
 
 from typing import Any
 
@@ -17,7 +20,13 @@ class PickFinder:
     """Finds picks on one mesh object, whose faces have been opened as `surface` in world space."""
 
     def __init__(
-        self, library: Any, mesh_read: Any, mesh_object: bpy.types.Object, source: str, surface: Any, radius: float | None
+        self,
+        library: Any,
+        mesh_read: Any,
+        mesh_object: bpy.types.Object,
+        source: str,
+        surface: Any,
+        radius: float | None,
     ) -> None:
         self._library = library
         self._mesh_read = mesh_read
@@ -64,7 +73,8 @@ class PickFinder:
         if nearest.distances[0] > radius:
             raise FileFault(
                 "PickError",
-                f"the surface is {nearest.distances[0]:.6g} away from the point, more than the search radius {radius:.6g}",
+                f"the surface is {nearest.distances[0]:.6g} away from the point, more than the search radius "
+                f"{radius:.6g}",
             )
         return nearest.surface_points[0]
 

@@ -22,14 +22,18 @@ def find_strokes(along: dict[str, Any]) -> list[tuple[np.ndarray, bool]]:
         there = [o.name for o in bpy.context.scene.objects if o.type in KINDS]
         names = ", ".join(there[:MOST_NAMES]) or "none"
         kind = "" if guide is None else f" ({along['object']} is a {guide.type.lower()} object)"
-        raise FileFault("GuideError", f"there is no curve or grease pencil object {along['object']}{kind} (there are: {names})")
+        raise FileFault(
+            "GuideError", f"there is no curve or grease pencil object {along['object']}{kind} (there are: {names})"
+        )
     if "layer" in along and guide.type in ("CURVE", "CURVES"):
         raise FileFault("GuideError", f"{guide.name} is a curve and has no layers; leave out layer")
     strokes = READERS[guide.type](guide, along.get("layer"))
     strokes = [(points, closed) for points, closed in strokes if len(points) > 1]
     if "stroke" in along:
         if along["stroke"] >= len(strokes):
-            raise FileFault("GuideError", f"{guide.name} has {len(strokes)} strokes, from 0; there is no {along['stroke']}")
+            raise FileFault(
+                "GuideError", f"{guide.name} has {len(strokes)} strokes, from 0; there is no {along['stroke']}"
+            )
         strokes = [strokes[along["stroke"]]]
     if not strokes:
         raise FileFault("GuideError", f"{guide.name} has no strokes of two points or more")
@@ -74,7 +78,11 @@ def copy_spline(spline: bpy.types.Spline, target: bpy.types.Curve) -> None:
     made.use_cyclic_u = spline.use_cyclic_u
     made.resolution_u = spline.resolution_u
     if spline.type == "NURBS":
-        made.order_u, made.use_endpoint_u, made.use_bezier_u = spline.order_u, spline.use_endpoint_u, spline.use_bezier_u
+        made.order_u, made.use_endpoint_u, made.use_bezier_u = (
+            spline.order_u,
+            spline.use_endpoint_u,
+            spline.use_bezier_u,
+        )
 
 
 def read_vertices(mesh: bpy.types.Mesh) -> np.ndarray:

@@ -18,7 +18,17 @@ from .addon_door import get_module
 from .fault import FileFault
 from .find_picks import PickFinder
 
-OPTION_NAMES = ("closed", "filter", "pinned", "solver", "knots", "support", "threshold", "max_iterations", "detail_size")
+OPTION_NAMES = (
+    "closed",
+    "filter",
+    "pinned",
+    "solver",
+    "knots",
+    "support",
+    "threshold",
+    "max_iterations",
+    "detail_size",
+)
 
 
 @dataclass(frozen=True)
@@ -144,8 +154,8 @@ class LineMaker:
         if distances[farthest] > radius:
             raise FileFault(
                 "GuideError",
-                f"point {farthest} of the guide is {distances[farthest]:.6g} away from the surface, more than the search "
-                f"radius {radius:.6g}",
+                f"point {farthest} of the guide is {distances[farthest]:.6g} away from the surface, more than the "
+                f"search radius {radius:.6g}",
             )
         wishes = dict(options)
         if wishes["detail_size"] is not None:
@@ -201,5 +211,7 @@ def list_connections(connections: str | list[list[int]], count: int) -> list[tup
         pairs = [(k, k + 1) for k in range(count - 1)]
         return pairs + ([(count - 1, 0)] if connections == "loop" and count > 2 else [])
     if connections == "automatic":
-        raise FileFault("NotSupportedError", "automatic connections are not there yet; name the pairs, or all, chain or loop")
+        raise FileFault(
+            "NotSupportedError", "automatic connections are not there yet; name the pairs, or all, chain or loop"
+        )
     return [(a, b) for a, b in connections]

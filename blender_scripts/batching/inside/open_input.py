@@ -45,7 +45,7 @@ def open_blend(path: str) -> None:
         # Blender opens it, but drops what it does not know: the copy would lose data without a word.
         raise FileFault(
             "NewerBlenderError",
-            f"was saved by Blender {saved[0]}.{saved[1]}, but this is Blender {here[0]}.{here[1]}, which would lose data",
+            f"was saved by Blender {saved[0]}.{saved[1]}, but this is Blender {here[0]}.{here[1]}, which loses data",
         )
 
 
@@ -57,7 +57,9 @@ def run_importer(path: str, suffix: str, settings: dict[str, Any]) -> None:
     except RuntimeError as error:
         raise FileFault("ImportFailedError", f"Blender's importer says: {clean(error)}") from error
     except Exception as error:  # importers written in Python let their own errors through
-        raise FileFault("ImportFailedError", f"Blender's importer failed with {type(error).__name__}: {error}") from error
+        raise FileFault(
+            "ImportFailedError", f"Blender's importer failed with {type(error).__name__}: {error}"
+        ) from error
     if "FINISHED" not in result:
         raise FileFault("ImportFailedError", "Blender's importer gave up on it; its messages are in the log")
 

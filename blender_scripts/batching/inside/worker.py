@@ -1,7 +1,7 @@
-"""Started by a run as a process of its own, in Blender: takes files from its input one after another, answers on its output.
+"""Started by a run as a process of its own, in Blender: takes files from its input, answers on its output.
 
-Everything that Blender prints goes to the log that the standard error is. Ends when its input does, at once: a run that was
-killed leaves no worker behind.
+Everything that Blender prints goes to the log that the standard error is. Ends when its input does, at once: a run that
+was killed leaves no worker behind.
 """
 
 import json
@@ -14,8 +14,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from batching.plan import Item  # noqa: E402
-from batching.worker_process import MARK  # noqa: E402
+from batching.plan import Item
+from batching.worker_process import MARK
 
 
 def main() -> int:
@@ -37,7 +37,9 @@ def main() -> int:
     try:
         import bpy  # noqa: F401
     except ImportError as error:
-        answer({"refused": f"found no Blender in {sys.executable} ({error}); pip install bpy, or give --blender PROGRAM"})
+        answer(
+            {"refused": f"found no Blender in {sys.executable} ({error}); pip install bpy, or give --blender PROGRAM"}
+        )
         return 1
 
     from batching.inside import addon_door, process_file

@@ -1,4 +1,4 @@
-"""The UV layout of one object as SVG: faces, borders of islands, seams, and the lines where they run over the layout."""
+"""The UV layout of one object as SVG: faces, borders of islands, seams, and where the lines run over the layout."""
 
 import re
 from pathlib import Path
@@ -110,7 +110,7 @@ def draw(groups: dict[str, np.ndarray], everything: np.ndarray) -> str:
     high = np.maximum(np.ceil(everything.max(axis=0)), 1.0)
     width, height = SIDE * (high - low)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" fill="none" stroke-linecap="round">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" fill="none">',
         f'<rect width="{width:g}" height="{height:g}" fill="#ffffff"/>',
     ]
     for name, segments in groups.items():
