@@ -25,7 +25,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup dev demo images test test-rust test-native test-addon test-newest test-package test-render \
+.PHONY: help setup dev demo images test test-rust test-native test-addon test-batch test-newest test-package test-render \
     test-gui bench fmt lint wheel extension clean
 
 help: ## list the commands
@@ -98,7 +98,7 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 
 # --- checking ---------------------------------------------------------------------------------------------
 
-test: test-rust test-native test-addon test-package test-render test-newest test-gui ## every test, Rust and Python, in real Blender where it matters
+test: test-rust test-native test-addon test-batch test-package test-render test-newest test-gui ## every test, Rust and Python, in real Blender where it matters
 	$(STEP) "All tests passed"
 
 test-rust: ## tests of the Rust workspace
@@ -112,6 +112,10 @@ test-native: $(VENV)/.wheel.stamp ## tests of the wheel, with numpy alone
 test-addon: $(VENV)/.wheel.stamp ## tests of the add-on, in the oldest Blender that we support
 	$(STEP) "Tests of the add-on"
 	$(BIN)/python -m pytest tests/addon
+
+test-batch: $(VENV)/.wheel.stamp ## tests of the batch: runs killed, crashed, out of room, on clusters; bad jobs; every kind of input
+	$(STEP) "Tests of the batch"
+	$(BIN)/python -m pytest tests/batch
 
 test-package: $(VENV)/.wheel.stamp ## the rules of the repository; the extension zip: built, validated, installed
 	$(STEP) "Tests of the rules and of the extension package"

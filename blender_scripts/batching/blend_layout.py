@@ -73,6 +73,7 @@ class StructLayouts:
             self.structs.append((type_index, self._read_shorts(2 * field_count).reshape(-1, 2)))
         self._struct_of_type = {int(t): k for k, (t, _) in enumerate(self.structs)}
         self._pointers: dict[int, tuple[list[int], list[int]]] = {}
+        self._texts: dict[int, list[int]] = {}
 
     def _expect(self, word: bytes) -> None:
         self._at = (self._at + 3) & ~3
@@ -117,13 +118,15 @@ class StructLayouts:
 
     def text_pointers(self, struct_index: int) -> list[int]:
         """Offsets of the struct's own pointers to characters."""
-        offsets, offset = [], 0
-        for type_index, name_index in self.structs[struct_index][1]:
-            name = self.names[name_index]
-            if self.types[type_index] == "char" and name.startswith("*") and not name.startswith("**"):
-                offsets.append(offset)
-            offset += self._measure(int(type_index), name)
-        return offsets
+        if struct_index not in self._texts:
+            offsets, offset = [], 0
+            for type_index, name_index in self.structs[struct_index][1]:
+                name = self.names[name_index]
+                if self.types[type_index] == "char" and name.startswith("*") and not name.startswith("**"):
+                    offsets.append(offset)
+                offset += self._measure(int(type_index), name)
+            self._texts[struct_index] = offsets
+        return self._texts[struct_index]
 
     def offset(self, struct_index: int, field: str) -> int:
         """Where a field begins, by its name as the file has it, with its stars and brackets."""

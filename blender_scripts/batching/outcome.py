@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .plan import Item
+from .store import remove_parts_of
 from .worker_process import WorkerDied, WorkerProcess, find_worker_command
 
 ADVICE = {
@@ -69,6 +70,7 @@ def process_item(worker: WorkerProcess, item: Item, limits: dict[str, Any]) -> d
         answer = worker.ask(request, limits["seconds"])
         if not isinstance(answer, WorkerDied):
             return answer
+        remove_parts_of(worker.output, item.result, worker.token)
         if answer.error == "TimeLimitError":
             break
     return make_failure(item, answer.error, answer.message)

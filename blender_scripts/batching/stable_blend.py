@@ -90,18 +90,31 @@ def read_addresses(data: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def refuse_missed_addresses(data: np.ndarray, blocks: list[Block], known: np.ndarray) -> None:
-    """UnknownLayoutError where a block's address stands in a place that was not found to hold one."""
+    """UnknownLayoutError where a block's address stands in a place that was not found to hold one.
+
+    known : places that hold addresses, in order
+    """
     own = np.unique([block.address for block in blocks if block.address != 0]).astype("<u8")
-    for block in blocks:
-        if block.code == b"DNA1" or block.size < 8:
-            continue
-        count = block.size // 8
-        words = data[block.data.start : block.data.start + 8 * count].view("<u8")
+    starts = np.array([block.data.start for block in blocks], dtype=np.int64)
+    for phase in (0, 4):  # blocks begin at multiples of 4
+        words = data[phase : phase + 8 * ((len(data) - phase) // 8)].view("<u8")
         # Nearly all numbers are no addresses at all: the quick test first.
         suspects = np.flatnonzero((words >= own[0]) & (words <= own[-1]))
-        suspects = suspects[np.isin(words[suspects], own)]
-        if not np.isin(block.data.start + 8 * suspects, known).all():
-            raise UnknownLayoutError(f"a block {block.code.decode('latin-1')} holds an address where none is described")
+        suspects = suspects[is_among(words[suspects], own)]
+        places = phase + 8 * suspects.astype(np.int64)
+        places = places[~is_among(places, known)]
+        holders = np.searchsorted(starts, places, side="right") - 1
+        for place, holder in zip(places.tolist(), holders.tolist(), strict=True):
+            block = blocks[holder]
+            if block.code != b"DNA1" and place < block.data.stop and (place - block.data.start) % 8 == 0:
+                raise UnknownLayoutError(
+                    f"a block {block.code.decode('latin-1')} holds an address that is not described"
+                )
+
+
+def is_among(values: np.ndarray, ordered: np.ndarray) -> np.ndarray:
+    """Which values are in the sorted array."""
+    return ordered[np.minimum(np.searchsorted(ordered, values), len(ordered) - 1)] == values
 
 
 def find_field(blocks: list[Block], layouts: StructLayouts, struct_name: str, field: str) -> list[int]:

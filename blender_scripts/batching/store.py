@@ -30,14 +30,16 @@ def find_result(output: Path, result: str) -> Path:
 
 
 @contextlib.contextmanager
-def open_part(output: Path, result: str) -> Iterator[Path]:
+def open_part(output: Path, result: str, token: str) -> Iterator[Path]:
     """A new folder to write an item's results into; renamed to its own name at the end, removed on a failure.
+
+    token : of the worker, so that what it leaves half-made when it dies can be told from the work of others
 
     Whoever looks sees all results or none, also after a power cut: all is on the disk before the name changes.
     """
     target = find_result(output, result)
     target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.parent / f"{PART_MARK}{uuid.uuid4().hex[:12]}"
+    part = target.parent / f"{PART_MARK}{token}-{uuid.uuid4().hex[:8]}"
     part.mkdir()
     try:
         yield part
@@ -71,6 +73,12 @@ def remove_parts(output: Path) -> int:
             names.remove(name)
             count += 1
     return count
+
+
+def remove_parts_of(output: Path, result: str, token: str) -> None:
+    """Remove what a worker that died has left half-made of one item."""
+    for part in find_result(output, result).parent.glob(f"{PART_MARK}{token}-*"):
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def flush_to_disk(path: Path) -> None:

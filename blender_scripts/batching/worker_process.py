@@ -11,6 +11,7 @@ import queue
 import signal
 import subprocess
 import threading
+import uuid
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,11 +50,13 @@ class WorkerProcess:
         self._command = command
         self._setup = setup  # "job", "output" and "fingerprint": what holds for all files
         self.limits = setup["job"]["limits"]
+        self.output = Path(setup["output"])
         self._log_path = log
         self._process: subprocess.Popen[bytes] | None = None
         self._answers: queue.Queue[dict[str, Any] | None] = queue.Queue()
         self._is_closed = False
         self.files = 0
+        self.token = ""  # of the process: another after each start
         self.hello: dict[str, Any] = {}
 
     def start(self) -> None:
@@ -80,7 +83,8 @@ class WorkerProcess:
         self._answers = queue.Queue()
         self.files = 0
         threading.Thread(target=self._read, args=(self._process, self._answers), daemon=True).start()
-        self._send(self._setup)
+        self.token = uuid.uuid4().hex[:8]
+        self._send({**self._setup, "token": self.token})
         hello = self._wait(START_SECONDS)
         if hello is None or "refused" in hello:
             reason = f"ended or was silent ({self._describe_end()})" if hello is None else hello["refused"]

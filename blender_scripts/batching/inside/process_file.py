@@ -27,12 +27,13 @@ LEAST_ROOM = 1_000_000
 class FileProcessor:
     """Does one file after another by one job."""
 
-    def __init__(self, package: str, job: dict[str, Any], output: str, fingerprint: str, blender: str) -> None:
+    def __init__(self, package: str, setup: dict[str, Any]) -> None:
+        """`setup` is what the run tells a worker first."""
         self._package = package
-        self._job = job
-        self._output = Path(output)
-        self._fingerprint = fingerprint
-        self._blender = blender
+        self._job = setup["job"]
+        self._output = Path(setup["output"])
+        self._fingerprint = setup["fingerprint"]
+        self._token = setup["token"]
 
     def process(self, item: Item) -> dict[str, Any]:
         """The outcome of one file."""
@@ -50,6 +51,10 @@ class FileProcessor:
             entries, is_saved = [make_entry(item.name, "InternalError", f"{type(error).__name__}: {error}")], False
         finally:
             get_module(self._package, "surface").forget_surfaces()
+        for entry in entries:
+            if entry["status"] == "failed":
+                # Blender names files by their whole path, which is another on each machine.
+                entry["message"] = entry["message"].replace(item.input, item.name)
         stop = None
         if any(entry["status"] == "failed" and entry["error"] == "DiskFullError" for entry in entries):
             stop = f"{self._output}: no space left on the disk; make room, then start the same command again to go on"
@@ -83,10 +88,10 @@ class FileProcessor:
         record = {
             "fingerprint": self._fingerprint,
             "input": {"name": item.name, "bytes": size, "sha256": digest},
-            "blender": self._blender,
+            "blender": bpy.app.version_string,
         }
         try:
-            with store.open_part(self._output, item.result) as part:
+            with store.open_part(self._output, item.result, self._token) as part:
                 self._write(part, maker, item, clock)
                 entries = maker.entries
                 (part / store.RECORD_NAME).write_bytes(store.dump_json({**record, "entries": entries}))
@@ -169,8 +174,3 @@ class Clock:
 
     def __exit__(self, *_: object) -> None:
         self.seconds[self._name] = self.seconds.get(self._name, 0.0) + time.perf_counter() - self._begin
-
-
-def tell_blender() -> str:
-    """The version of this Blender."""
-    return bpy.app.version_string

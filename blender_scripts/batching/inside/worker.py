@@ -35,7 +35,7 @@ def main() -> int:
         profile = tempfile.TemporaryDirectory(prefix="smooth-polylines-batch-")
         os.environ["BLENDER_USER_RESOURCES"] = profile.name
     try:
-        import bpy  # noqa: F401
+        import bpy
     except ImportError as error:
         answer(
             {"refused": f"found no Blender in {sys.executable} ({error}); pip install bpy, or give --blender PROGRAM"}
@@ -49,9 +49,8 @@ def main() -> int:
     except addon_door.NoAddonError as error:
         answer({"refused": str(error)})
         return 1
-    blender = process_file.tell_blender()
-    processor = process_file.FileProcessor(package, start["job"], start["output"], start["fingerprint"], blender)
-    answer({"blender": blender, "process": os.getpid()})
+    processor = process_file.FileProcessor(package, start)
+    answer({"blender": bpy.app.version_string, "process": os.getpid()})
     while True:
         request = requests.get()
         print(f"--- {request['name']}".encode("utf-8", "backslashreplace").decode("utf-8"), flush=True)

@@ -1,0 +1,163 @@
+"""Inputs and jobs for the tests of the batch, and how it is run: as a process, as its users do. Holds no test."""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+BATCH = REPOSITORY / "blender_scripts" / "batch.py"
+SECONDS = 300
+
+sys.path.insert(0, str(BATCH.parent))
+
+# Lines that every mesh of `make_bumpy` can carry, near places on the unit sphere.
+LINES = [
+    {
+        "name": "across",
+        "filter": "geodesic",
+        "picks": [{"point": [-1, 0, 0]}, {"point": [0, 0, 1]}, {"point": [1, 0, 0]}],
+    },
+    {
+        "name": "ring",
+        "filter": "fair",
+        "closed": True,
+        "pinned": "all",
+        "picks": [{"point": [1, 0, 0]}, {"point": [0, 1, 0]}, {"point": [-1, -0.2, 0]}, {"point": [0, -1, 0.1]}],
+    },
+]
+
+
+def make_bumpy(size, seed):
+    """A closed bumpy sphere about the unit sphere: positions and triangles, 2 * size * (size - 1) of them."""
+    rng = np.random.default_rng(seed)
+    a, b, c = rng.integers(2, 6, 3)
+    theta = np.pi * np.arange(1, size) / size
+    phi = 2 * np.pi * np.arange(size) / size
+    t, p = np.meshgrid(theta, phi, indexing="ij")
+    radius = 1 + 0.05 * np.sin(a * t) * np.cos(b * p) + 0.03 * np.sin(c * p)
+    rows = np.stack([radius * np.sin(t) * np.cos(p), radius * np.sin(t) * np.sin(p), radius * np.cos(t)], axis=-1)
+    positions = np.vstack([rows.reshape(-1, 3), [[0, 0, 1.0], [0, 0, -1.0]]])
+    top, bottom = len(positions) - 2, len(positions) - 1
+    triangles = []
+    for j in range(size):
+        k = (j + 1) % size
+        triangles.append((top, j, k))
+        last = (size - 2) * size
+        triangles.append((bottom, last + k, last + j))
+        for i in range(size - 2):
+            x, y = i * size, (i + 1) * size
+            triangles += [(x + j, y + j, y + k), (x + j, y + k, x + k)]
+    return positions, np.array(triangles)
+
+
+def write_ply(path, positions, triangles):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    head = (
+        f"ply\nformat ascii 1.0\nelement vertex {len(positions)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    rows = [" ".join(map(repr, p)) for p in positions.tolist()] + [f"3 {a} {b} {c}" for a, b, c in triangles.tolist()]
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
+def write_obj(path, positions, triangles):
+    """With its axes as in the file once imported with forward y, up z."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows = [f"v {x!r} {y!r} {z!r}" for x, y, z in positions.tolist()]
+    rows += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles.tolist()]
+    path.write_text("\n".join(rows) + "\n")
+
+
+def write_stl(path, positions, triangles):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    table = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    table["corners"] = positions[triangles]
+    path.write_bytes(b"".ljust(80) + np.array([len(triangles)], dtype="<u4").tobytes() + table.tobytes())
+
+
+WRITERS = {".ply": write_ply, ".obj": write_obj, ".stl": write_stl}
+
+
+def write_broken(folder):
+    """Ten files that cannot give what is asked for, each in a way of its own: name -> name of the error."""
+    folder.mkdir(parents=True, exist_ok=True)
+    positions, triangles = make_bumpy(8, 0)
+    flat = positions[triangles[0]]
+    good = folder / "good.ply"
+    write_ply(good, positions, triangles)
+    text = good.read_bytes()
+    good.unlink()
+    (folder / "empty.ply").write_bytes(b"")
+    (folder / "words.ply").write_text("this is no mesh\n")
+    (folder / "cut.ply").write_bytes(text[: len(text) // 2])
+    (folder / "cut.stl").write_bytes(b"".ljust(80) + (1000).to_bytes(4, "little") + bytes(200))
+    (folder / "zeros.obj").write_bytes(bytes(5000))
+    (folder / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    (folder / "words.blend").write_text("BLENDER is what it begins with, and that is all\n" * 20)
+    (folder / "words.glb").write_bytes(b"glTF" + bytes(40))
+    (folder / "words.usdc").write_bytes(b"PXR-USDC" + bytes(100))
+    write_ply(folder / "far.ply", flat + 100, np.array([[0, 1, 2]]))
+    return {
+        "empty.ply": "EmptyFileError",
+        "words.ply": "ImportFailedError",
+        "cut.ply": "ImportFailedError",
+        "cut.stl": "ImportFailedError",
+        "zeros.obj": "ImportFailedError",
+        "points.obj": ("NoObjectError", "ObjectError"),
+        "words.blend": "ImportFailedError",
+        "words.glb": "ImportFailedError",
+        "words.usdc": "ImportFailedError",
+        "far.ply": "PickError",
+    }
+
+
+def write_inputs(folder, count, sizes=(12, 16, 20)):
+    """`count` good meshes in the three formats."""
+    for k in range(count):
+        suffix = list(WRITERS)[k % 3]
+        WRITERS[suffix](folder / f"mesh{k:03d}{suffix}", *make_bumpy(sizes[k % len(sizes)], k))
+
+
+def write_job(path, **values):
+    """A job at `path`; what is not given is the usual."""
+    job = {
+        "inputs": ["in/*"],
+        "import": {"forward": "y", "up": "z"},
+        "search_radius": 0.5,
+        "lines": LINES,
+        "outputs": {"folder": "out", "formats": ["json", "csv", "npz", "blend"]},
+        **values,
+    }
+    path.write_text(json.dumps({k: v for k, v in job.items() if v is not None}))
+    return path
+
+
+def command(*arguments):
+    return [sys.executable, str(BATCH), *map(str, arguments)]
+
+
+def run_batch(*arguments, **options):
+    """The finished process of one run."""
+    return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=SECONDS, **options)
+
+
+def read_report(folder, name="report.jsonl"):
+    return [json.loads(line) for line in (folder / name).read_text(encoding="utf-8").splitlines()]
+
+
+def hash_tree(folder):
+    """Each file under `folder`, but for what runs keep for themselves, and a checksum of its bytes."""
+    found = {}
+    for where, names, files in os.walk(folder):
+        if ".batch" in names:
+            names.remove(".batch")
+        for name in files:
+            path = Path(where, name)
+            found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
