@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a finished line into the scene: one curve object, child of the mesh object.
+"""Writes a finished line into the scene: one object, child of the mesh object.
 
 Knows neither the library nor the picks. Creates everything or nothing.
 """
@@ -7,6 +7,9 @@ Knows neither the library nor the picks. Creates everything or nothing.
 import numpy as np
 
 import bpy
+
+from . import line_data
+from .errors import ObjectError
 
 # Radius of the tube as a part of the mesh's bounding-box diagonal: seen at a glance, thin beside most faces.
 AUTOMATIC_BEVEL_PART = 0.004
@@ -25,49 +28,62 @@ def write_curve(
     closed: bool,
     bevel: float,
     name: str,
+    output: str = "CURVE",
+    collection: bpy.types.Collection | None = None,
+    material: bpy.types.Material | None = None,
 ) -> bpy.types.Object:
-    """Make the curve object: one POLY spline through `local_points`, (N, 3) in the space of `mesh_object`.
+    """Make the object: one chain of straight pieces through `local_points`, (N, 3) in the space of `mesh_object`.
 
     It is a child of `mesh_object` without any transform of its own, so the two share their space and move
-    together; it goes into the mesh object's collection.
+    together; it goes into `collection`, or the mesh object's own.
     """
-    curve = bpy.data.curves.new(name, "CURVE")
-    curve_object = None
+    data, new_object = line_data.new_data(output, name), None
     try:
-        curve.dimensions = "3D"
-        write_points(curve, local_points, closed=closed)
-        curve.bevel_depth = bevel
-        curve.use_fill_caps = True
-        curve_object = bpy.data.objects.new(name, curve)
-        curve_object.parent = mesh_object
-        choose_collection(context, mesh_object).objects.link(curve_object)
+        line_data.write_points(data, local_points, closed=closed)
+        line_data.set_bevel(data, bevel)
+        if material is not None:
+            line_data.set_material(data, material)
+        new_object = bpy.data.objects.new(name, data)
+        new_object.parent = mesh_object
+        (collection or choose_collection(context, mesh_object)).objects.link(new_object)
     except BaseException:
-        if curve_object is not None:
-            bpy.data.objects.remove(curve_object)
-        bpy.data.curves.remove(curve)
+        if new_object is not None:
+            bpy.data.objects.remove(new_object)
+        line_data.list_blocks(output).remove(data)
         raise
-    show_in_local_view(context, curve_object)
-    return curve_object
+    show_in_local_view(context, new_object)
+    return new_object
 
 
-def write_points(curve: bpy.types.Curve, local_points: np.ndarray, *, closed: bool) -> bool:
-    """Make `curve` one POLY spline through `local_points`, (N, 3); False when it was that already, to the bit."""
-    coordinates = np.ones((len(local_points), 4), dtype=np.float32)  # the fourth is the weight
-    coordinates[:, :3] = local_points
-    spline = curve.splines[0] if len(curve.splines) == 1 else None
-    if spline is None or spline.type != "POLY" or len(spline.points) != len(coordinates):
-        curve.splines.clear()
-        spline = curve.splines.new("POLY")
-        spline.points.add(len(coordinates) - 1)
-    else:
-        present = np.empty_like(coordinates)
-        spline.points.foreach_get("co", present.ravel())
-        if spline.use_cyclic_u == closed and np.array_equal(present, coordinates):
-            return False
-    spline.points.foreach_set("co", coordinates.ravel())
-    spline.use_cyclic_u = closed
-    curve.update_tag()
-    return True
+def remove_line(line_object: bpy.types.Object) -> None:
+    """Take an object and its data-block out of the file."""
+    data, output = line_object.data, line_data.get_output(line_object.data)
+    bpy.data.objects.remove(line_object)
+    if data.users == 0:
+        line_data.list_blocks(output).remove(data)
+
+
+def copy_as_output(line_object: bpy.types.Object, output: str) -> bpy.types.Object:
+    """Another kind of object beside `line_object`: with its points, parent, collections and materials.
+
+    What is the old kind's own, such as modifiers, it does not get.
+    """
+    old = line_object.data
+    points, closed = line_data.read_points(old)
+    if points is None:
+        raise ObjectError(f"{line_object.name} is no single chain of straight pieces any more, so it cannot be changed")
+    data = line_data.new_data(output, old.name)
+    line_data.write_points(data, points, closed=closed)
+    for material in old.materials:
+        data.materials.append(material)
+    name = line_object.name
+    new_object = bpy.data.objects.new(name, data)
+    new_object.parent = line_object.parent
+    new_object.matrix_parent_inverse = line_object.matrix_parent_inverse
+    new_object.matrix_basis = line_object.matrix_basis
+    for collection in line_object.users_collection:
+        collection.objects.link(new_object)
+    return new_object
 
 
 def choose_collection(context: bpy.types.Context, mesh_object: bpy.types.Object) -> bpy.types.Collection:

@@ -147,16 +147,20 @@ def read_floats(rows: bpy.types.bpy_prop_collection, name: str, count: int) -> n
 
 def read_visible_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Blender's own loop triangles less those of hidden polygons, and the polygon of each, both int32."""
-    mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    corners = np.empty(count * 3, dtype=np.int32)
-    mesh.loop_triangles.foreach_get("loops", corners)
-    triangle_faces = np.empty(count, dtype=np.int32)
-    mesh.loop_triangle_polygons.foreach_get("value", triangle_faces)
-    if count == 0:
-        return corners.reshape(-1, 3), triangle_faces
-
-    triangles = read_corner_vertices(mesh)[corners].reshape(-1, 3)
+    corner_vertices = read_corner_vertices(mesh)
+    if len(corner_vertices) == 3 * len(mesh.polygons):
+        # Polygons have three corners at least, so these are all triangles, which Blender takes as they are; asking it
+        # for each one's corners would take a hundred times as long.
+        triangles = corner_vertices.reshape(-1, 3)
+        triangle_faces = np.arange(len(triangles), dtype=np.int32)
+    else:
+        mesh.calc_loop_triangles()
+        count = len(mesh.loop_triangles)
+        corners = np.empty(count * 3, dtype=np.int32)
+        mesh.loop_triangles.foreach_get("loops", corners)
+        triangles = corner_vertices[corners].reshape(-1, 3)
+        triangle_faces = np.empty(count, dtype=np.int32)
+        mesh.loop_triangle_polygons.foreach_get("value", triangle_faces)
 
     is_hidden = read_hidden(mesh)
     if len(is_hidden) > 0:

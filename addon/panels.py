@@ -8,10 +8,10 @@ import textwrap
 
 import bpy
 
-from . import settings
+from . import line_data, settings
 from .draw_tool.operator import VIEW3D_OT_smooth_polyline_draw
 from .live import memory
-from .operators.update_curve import CURVE_OT_smooth_polyline_update
+from .operators.change_line import CURVE_OT_smooth_polyline_update, OBJECT_OT_smooth_polyline_change_output
 
 # Letters in a row of a narrow panel.
 MESSAGE_WIDTH = 38
@@ -26,12 +26,12 @@ class CurvePanel:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a curve that remembers."""
-        active = context.object
-        return active is not None and active.type == "CURVE" and bool(active.data.smooth_polyline.stored)
+        return memory.find_memory(context.object) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         """The state and its message, the mesh, the settings, and the button that makes the line again."""
-        known = context.object.data.smooth_polyline
+        line_object = context.object
+        known, output = memory.find_memory(line_object), line_data.get_output(line_object.data)
         layout = self.layout
         # A pointer that lost its object is no state that anything could have written down.
         state, message = known.state, known.message
@@ -43,7 +43,15 @@ class CurvePanel:
                 column.label(text=row, icon=ICONS[state] if number == 0 else "BLANK1")
         layout.use_property_split = True
         layout.prop(known, "surface")
-        settings.draw_line_settings(layout, known)
+        settings.draw_line_settings(layout, known, output)
+        layout.separator()
+        (kind,) = [label for name, label, _ in line_data.OUTPUTS if name == output]
+        split = layout.split(factor=0.4)
+        split.label(text="Output")
+        split.operator_menu_enum(OBJECT_OT_smooth_polyline_change_output.bl_idname, "output", text=kind)
+        layout.prop(line_object, "name")
+        layout.prop_search(line_object, "smooth_polyline_collection", bpy.data, "collections", text="Collection")
+        layout.prop_search(line_object, "smooth_polyline_material", bpy.data, "materials", text="Material")
         layout.operator(CURVE_OT_smooth_polyline_update.bl_idname, text="Update", icon="FILE_REFRESH")
         if context.region_data is not None:  # in the 3D view alone
             edit = layout.operator(VIEW3D_OT_smooth_polyline_draw.bl_idname, text="Edit Picks", icon="GREASEPENCIL")

@@ -44,10 +44,11 @@ def read_picks(mesh_object: bpy.types.Object) -> list[int]:
     return picks
 
 
-def find_ignored_objects(context: bpy.types.Context, mesh_object: bpy.types.Object) -> list[str]:
-    """Names of other objects in Edit Mode with selected faces: the line is on `mesh_object` alone."""
-    return [
-        other.name
-        for other in context.objects_in_mode_unique_data
-        if other.data != mesh_object.data and other.type == "MESH" and other.data.total_face_sel > 0
+def list_picked_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The meshes in Edit Mode that have selected faces, the active one first."""
+    picked = [
+        mesh_object
+        for mesh_object in context.objects_in_mode_unique_data
+        if mesh_object.type == "MESH" and mesh_object.data.total_face_sel > 0
     ]
+    return sorted(picked, key=lambda mesh_object: mesh_object != context.edit_object)

@@ -13,11 +13,9 @@ import numpy as np
 
 import bpy
 
-from . import curve_write, line_points, mesh_read, native, selection, settings, surface, surface_offset
+from . import curve_write, line_data, line_points, mesh_read, native, selection, settings, surface, surface_offset
 from .errors import ObjectError
 from .live import memory, shape
-
-DEFAULT_NAME = "Smooth Polyline"
 
 
 @dataclass(frozen=True)
@@ -88,32 +86,65 @@ def find_evaluated_picks(mesh_object: bpy.types.Object, picks: Sequence[Any], op
 
 
 def add_polyline(
+    context: bpy.types.Context, mesh_object: bpy.types.Object, picks: Sequence[Any] | None = None, **wishes: Any
+) -> AddedPolyline:
+    """Make a smooth line on `mesh_object` and add it to the scene as an object that remembers what made it.
+
+    picks : polygon ids in order, or points of the surface, as the library takes them; None: the picked faces
+    wishes : as for `add_polylines`
+
+    Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
+    """
+    return add_polylines(context, [(mesh_object, picks)], **wishes)[0]
+
+
+def add_polylines(
     context: bpy.types.Context,
-    mesh_object: bpy.types.Object,
-    picks: Sequence[Any] | None = None,
+    requests: Sequence[tuple[bpy.types.Object, Sequence[Any] | None]],
     *,
     source: str = "BASE",
     bevel: float | None = None,
     offset: float = 0.0,
     resample: float = 0.0,
-    name: str = DEFAULT_NAME,
+    output: str = "CURVE",
+    name: str = settings.DEFAULT_NAME,
+    collection: str = "",
+    material: str = "",
     **line_options: Any,
-) -> AddedPolyline:
-    """Make a smooth line on `mesh_object` and add it to the scene as a curve object that remembers what made it.
+) -> list[AddedPolyline]:
+    """Make smooth lines and add them to the scene, all of them or none.
 
-    picks : polygon ids in order; None: the faces picked in Edit Mode
+    requests : for each line the mesh object, and its picks as for `add_polyline`
     source : BASE: on the mesh as it is edited; EVALUATED: after its modifiers
     bevel : radius of the tube in the object's units; None: chosen from the size of the mesh
     offset : distance from the surface along its normal, in the object's units; 0: on the surface
     resample : even spacing of the points, in the object's units; 0: the points of the line
+    output : the kind of object: CURVE, MESH (edges), or CURVES (as hair; Blender 4.5 and newer)
     name : of the new object
+    collection : name of the collection that it goes into; "": that of the mesh object
+    material : name of its material; "": none
     line_options : as for `compute_polyline`: closed, filter, pinned, threshold, detail_size, ...
 
     Raises AddonError, or the library's `smooth_polylines.Error`; nothing has been created then.
     """
-    computed = compute_polyline(context, mesh_object, picks, source=source, with_normals=offset != 0.0, **line_options)
+    check_output(output)
+    chosen_collection = find_named(bpy.data.collections, collection, "collection")
+    chosen_material = find_named(bpy.data.materials, material, "material")
+    computed = [
+        compute_named(context, *request, len(requests) > 1, source=source, with_normals=offset != 0.0, **line_options)
+        for request in requests
+    ]
     wishes = {**line_options, "source": source, "bevel": bevel, "offset": offset, "resample": resample}
-    return add_computed_polyline(context, mesh_object, computed, name=name, **wishes)
+    wishes |= {"output": output, "name": name, "collection": chosen_collection, "material": chosen_material}
+    added: list[AddedPolyline] = []
+    try:
+        for (mesh_object, _), one in zip(requests, computed, strict=True):
+            added.append(add_computed_polyline(context, mesh_object, one, **wishes))
+    except BaseException:
+        for one in added:
+            curve_write.remove_line(one.curve_object)
+        raise
+    return added
 
 
 def add_computed_polyline(
@@ -124,37 +155,83 @@ def add_computed_polyline(
     bevel: float | None = None,
     offset: float = 0.0,
     resample: float = 0.0,
-    name: str = DEFAULT_NAME,
+    output: str = "CURVE",
+    name: str = settings.DEFAULT_NAME,
+    collection: bpy.types.Collection | None = None,
+    material: bpy.types.Material | None = None,
     **wishes: Any,
 ) -> AddedPolyline:
-    """Add a line that was made by `compute_polyline` to the scene, as `add_polyline` does.
+    """Add a line that was made by `compute_polyline` to the scene, as `add_polyline` does; all of it or nothing.
 
     wishes : what the line was computed with, for the curve to remember; a line without picks, as one made along a drawn
         stroke, remembers nothing
     """
     placed = place_line(computed, offset=offset, resample=resample)
-    curve_object = curve_write.write_curve(
+    line_object = curve_write.write_curve(
         context,
         mesh_object,
         placed.local_points,
         closed=computed.line.closed,
         bevel=curve_write.choose_bevel(computed.arrays.local_positions) if bevel is None else bevel,
-        name=name,
+        name=name or settings.DEFAULT_NAME,
+        output=output,
+        collection=collection,
+        material=material,
     )
     if computed.picks:
         wishes = {**wishes, "bevel": bevel, "offset": offset, "resample": resample}
-        memory.remember(curve_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
-        shape.place_on_shape(curve_object.data, mesh_object, context.evaluated_depsgraph_get())
-    return AddedPolyline(curve_object, computed.line, computed.picks)
+        try:
+            memory.remember(line_object.data, mesh_object, computed.picks, computed.arrays, placed, wishes)
+            shape.place_on_shape(line_object.data, mesh_object, context.evaluated_depsgraph_get())
+        except BaseException:
+            curve_write.remove_line(line_object)
+            raise
+    return AddedPolyline(line_object, computed.line, computed.picks)
 
 
-def replace_picks(context: bpy.types.Context, curve: bpy.types.Curve, picks: Sequence[Any], **wishes: Any) -> None:
+def compute_named(
+    context: bpy.types.Context, mesh_object: bpy.types.Object, picks: Any, is_one_of_many: bool, **options: Any
+) -> ComputedPolyline:
+    """`compute_polyline`, whose refusals name the object where it is one of many."""
+    try:
+        return compute_polyline(context, mesh_object, picks, **options)
+    except Exception as error:
+        if is_one_of_many and native.is_refusal(error):
+            raise ObjectError(f"{mesh_object.name}: {error}") from error
+        raise
+
+
+def check_output(output: str) -> None:
+    """ObjectError when this Blender cannot make such an object."""
+    kinds = [kind for kind, _, _ in line_data.OUTPUTS]
+    if output not in kinds:
+        raise ObjectError(f"There is no output {output!r}; choose one of {', '.join(kinds)}")
+    if output == "CURVES" and not line_data.has_hair_curves():
+        raise ObjectError(
+            f"Blender {bpy.app.version_string} cannot make hair Curves of straight pieces, which came with 4.5; choose "
+            "the output Curve"
+        )
+
+
+def find_named(blocks: Any, name: str, noun: str) -> Any:
+    """The data-block of a name, None for ""; ObjectError where there is none that can be used."""
+    if not name:
+        return None
+    found = blocks.get(name)
+    if found is None:
+        raise ObjectError(f"There is no {noun} {name!r} in this file; choose another, or none")
+    if noun == "collection" and found.library is not None:
+        raise ObjectError(f"The collection {name} is linked and takes no new objects; choose another, or none")
+    return found
+
+
+def replace_picks(context: bpy.types.Context, curve: Any, picks: Sequence[Any], **wishes: Any) -> None:
     """Give a curve that remembers other picks, and the settings in `wishes` (as `add_polyline` takes them)."""
     memory.change_settings(curve, wishes)
     update_curve(context, curve, picks)
 
 
-def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve, picks: Sequence[Any] | None = None) -> None:
+def update_curve(context: bpy.types.Context | None, curve: Any, picks: Sequence[Any] | None = None) -> None:
     """Make the line of a curve that remembers again, by its settings, on its mesh as it is now; the same data-block.
 
     picks : others than it remembers, as the library takes them
@@ -163,22 +240,22 @@ def update_curve(context: bpy.types.Context | None, curve: bpy.types.Curve, pick
     handler, where everything has just been evaluated. Raises AddonError, or the
     library's `smooth_polylines.Error`; the curve is as it was then.
     """
-    settings_of_curve = curve.smooth_polyline
+    settings_of_curve = memory.get_memory(curve)
     computed, recalled = compute_remembered(context, curve, picks)
     mesh_object = memory.find_mesh(curve)
     placed = place_line(computed, offset=settings_of_curve.offset, resample=settings_of_curve.resample)
-    curve_write.write_points(curve, placed.local_points, closed=computed.line.closed)
-    curve.bevel_depth = settings_of_curve.bevel or curve_write.choose_bevel(computed.arrays.local_positions)
+    line_data.write_points(curve, placed.local_points, closed=computed.line.closed)
+    line_data.set_bevel(curve, settings_of_curve.bevel or curve_write.choose_bevel(computed.arrays.local_positions))
     memory.keep(curve, mesh_object, recalled, computed.arrays, placed)
     if context is not None:
         shape.place_on_shape(curve, mesh_object, context.evaluated_depsgraph_get())
 
 
 def compute_remembered(
-    context: bpy.types.Context | None, curve: bpy.types.Curve, picks: Sequence[Any] | None = None
+    context: bpy.types.Context | None, curve: Any, picks: Sequence[Any] | None = None
 ) -> tuple[ComputedPolyline, memory.Recalled]:
     """Make the line of a curve that remembers again, and what it was made from; changes nothing. As `update_curve`."""
-    settings_of_curve = curve.smooth_polyline
+    settings_of_curve = memory.get_memory(curve)
     mesh_object = memory.find_mesh(curve)
     check_object(mesh_object)
     source, with_normals = settings_of_curve.source, settings_of_curve.offset != 0.0

@@ -8,7 +8,9 @@ geometry and changes nothing.
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from . import line_data
 
 FILTERS = (
     ("LINEAR", "Linear", "Straighten: every crossing moves to the straight line between its neighbours"),
@@ -35,6 +37,7 @@ KNOTS = (
     ("CHORDAL", "Chordal", "Steps by the distances"),
 )
 
+DEFAULT_NAME = "Smooth Polyline"
 SOURCES = (
     ("BASE", "Base Mesh", "The mesh as it is edited; the curve then follows what modifiers make of it"),
     ("EVALUATED", "With Modifiers", "The mesh after its modifiers, such as Subdivision; picked faces give the places"),
@@ -110,6 +113,23 @@ class LineSettings:
     )
 
 
+class NewLineSettings(LineSettings):
+    """Mixed into what makes new lines: what becomes of them in the scene."""
+
+    output: EnumProperty(
+        name="Output", description="The kind of object that the line becomes", items=line_data.OUTPUTS, default="CURVE"
+    )
+    name: StringProperty(name="Name", description="Name of the new object", default=DEFAULT_NAME)
+    collection: StringProperty(name="Collection", description="Where the new object goes; empty: where the mesh is")
+    material: StringProperty(name="Material", description="Material of the new object; empty: none")
+
+
+def copy_line_settings(source: Any, target: Any) -> None:
+    """Give `target` the settings of a line that `source` has."""
+    for name in LineSettings.__annotations__:
+        setattr(target, name, getattr(source, name))
+
+
 def choose_line_options(settings: Any) -> dict[str, Any]:
     """The options of the library's `SurfaceMesh.polyline`, but for `detail_size` in the object's units.
 
@@ -129,7 +149,13 @@ def choose_line_options(settings: Any) -> dict[str, Any]:
     }
 
 
-def draw_line_settings(layout: bpy.types.UILayout, settings: Any) -> None:
+def choose_new_line_options(settings: Any) -> dict[str, Any]:
+    """What `session.add_polylines` takes beside the options of the line."""
+    names = ("source", "offset", "resample", "output", "name", "collection", "material")
+    return {"bevel": settings.bevel or None, **{name: getattr(settings, name) for name in names}}
+
+
+def draw_line_settings(layout: bpy.types.UILayout, settings: Any, output: str = "CURVE") -> None:
     """Lay the settings out, one a row; what the filter does not use is greyed out."""
     layout.use_property_split = True
     layout.use_property_decorate = False
@@ -151,4 +177,17 @@ def draw_line_settings(layout: bpy.types.UILayout, settings: Any) -> None:
         row.prop(settings, name)
     layout.separator()
     for name in ("bevel", "offset", "resample"):
-        layout.prop(settings, name)
+        row = layout.row()
+        # The edges of a mesh have no thickness.
+        row.enabled = name != "bevel" or output != "MESH"
+        row.prop(settings, name)
+
+
+def draw_new_line_settings(layout: bpy.types.UILayout, settings: Any) -> None:
+    """The same, and what becomes of a new line."""
+    draw_line_settings(layout, settings, settings.output)
+    layout.separator()
+    layout.prop(settings, "output")
+    layout.prop(settings, "name")
+    layout.prop_search(settings, "collection", bpy.data, "collections")
+    layout.prop_search(settings, "material", bpy.data, "materials")

@@ -10,6 +10,8 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import bpy
 
 from . import mesh_read, native
@@ -23,6 +25,15 @@ class Surface:
     """A mesh object's faces, ready for lines in world space."""
 
     library_mesh: Any  # smooth_polylines.SurfaceMesh over the world positions
+    arrays: mesh_read.MeshArrays
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What was read of a mesh, to be made ready for lines."""
+
+    key: tuple[int, str, bool]
+    fingerprint: int
     arrays: mesh_read.MeshArrays
 
 
@@ -43,7 +54,21 @@ def open_surface(
 
     Raises ObjectError, LibraryError, or the library's `smooth_polylines.Error`.
     """
-    library = native.load_library()
+    found = find_or_read(context, mesh_object, source=source, with_normals=with_normals)
+    if isinstance(found, Surface):
+        return found
+    return keep_surface(found, make_ready(found))
+
+
+def find_or_read(
+    context: bpy.types.Context | None,
+    mesh_object: bpy.types.Object,
+    *,
+    source: str = "BASE",
+    with_normals: bool = False,
+) -> Surface | Reading:
+    """The kept surface, where the mesh is as it was; else what has been read of it, for `make_ready`."""
+    native.load_library()
     if context is not None:
         # A script may have moved the object a line ago.
         context.view_layer.update()
@@ -54,9 +79,24 @@ def open_surface(
         _surfaces.move_to_end(key)
         return kept[1]
     _surfaces.pop(key, None)  # before the new one is made: two large ones need not be held at once
-    arrays = mesh_read.read_mesh(mesh_object, source=source, with_normals=with_normals)
-    surface = Surface(library.SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces), arrays)
-    _surfaces[key] = (fingerprint, surface)
+    return Reading(key, fingerprint, mesh_read.read_mesh(mesh_object, source=source, with_normals=with_normals))
+
+
+def make_ready(reading: Reading, with_tree: bool = False) -> Surface:
+    """The slow part of opening, which touches nothing of Blender and so may run in a thread.
+
+    with_tree : make what rays and nearest points are found by now, not when they are first asked for
+    """
+    arrays = reading.arrays
+    library_mesh = native.load_library().SurfaceMesh(arrays.world_positions, arrays.triangles, arrays.triangle_faces)
+    if with_tree:
+        library_mesh.ray_cast(arrays.world_positions[:1], np.array([[0.0, 0.0, 1.0]]))
+    return Surface(library_mesh, arrays)
+
+
+def keep_surface(reading: Reading, surface: Surface) -> Surface:
+    """Keep an opened surface for the next line."""
+    _surfaces[reading.key] = (reading.fingerprint, surface)
     while len(_surfaces) > MOST_SURFACES:
         _surfaces.popitem(last=False)
     return surface

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The draw tool: `sketch` what is drawn and its steps, `view` where on the surface and on the screen, `overlay` how it
-is shown, `operator` the events, `tool` its place in the toolbar.
+"""The draw tool: `sketch` what is drawn and its steps, `gestures` what mouse and keys mean, both plain Python; `stroke`
+which samples of a stroke become picks; `view` where on the surface and on the screen, `canvas` that for the gestures;
+`opening` how a mesh is opened; `drawing` one run; `overlay` how it is shown; `operator` the events; `tool` the toolbar.
 
 Holds nothing but what must be registered.
 """
 
-from . import operator, tool
+from . import drawing, operator, tool
 
-CLASSES = (operator.VIEW3D_OT_smooth_polyline_draw,)
+CLASSES = (operator.VIEW3D_OT_smooth_polyline_draw, tool.VIEW3D_PT_smooth_polyline_tool)
 
 
 def register() -> None:
@@ -17,5 +18,5 @@ def register() -> None:
 
 def unregister() -> None:
     """Take it back, and end a drawing that is going on; what is not there does no harm."""
-    operator.stop_all()
+    drawing.stop_all()
     tool.unregister()

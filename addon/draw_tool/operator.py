@@ -1,152 +1,70 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The draw tool's events: mouse and keys in, steps of the sketch and a redraw out; Enter makes the curve.
+"""The draw tool's operator: Blender's events to the gestures, and Enter to a curve.
 
-Nothing in the file changes before Enter. Holds no geometry and no drawing.
+Nothing in the file changes before Enter. Holds no geometry, no drawing, and nothing of what an event means.
 """
 
+import json
 import time
 from typing import Any
-
-import numpy as np
 
 import bpy
 from bpy.props import StringProperty
 
-from .. import guard, mesh_read, session, surface
+from .. import guard, mesh_read, session, settings
 from ..errors import ObjectError
 from ..live import memory
-from . import overlay, view
-from .sketch import Sketch, SketchPick, SketchState
+from . import drawing as drawings
+from . import view
+from .drawing import CUBIC_THRESHOLD, Drawing
+from .gestures import NAVIGATION, Answer, Input
+from .opening import Opening
+from .sketch import SketchState
 
-REACH = 12.0  # pixels at a scale of 1 within which the mouse takes hold of a pick
-PASSED_ON = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "MOUSEROTATE", "MOUSESMARTZOOM", "NDOF", "NUMPAD_")
-KEYS = (
-    "Click: pick   Drag: move pick   Ctrl Click: insert   Shift: snap   X: remove   C: close   T: filter   "
-    "Ctrl Wheel: detail size   Ctrl Z: step back   Enter: keep   Esc: leave"
+TICK = 0.02  # seconds between two looks at a mesh that is being opened
+SOURCES = (
+    ("SEEN", "As Seen", "The mesh after its modifiers in Object Mode, as it is edited in Edit Mode"),
+    *settings.SOURCES,
 )
-# At a finer threshold the cubic does not settle on scans (docs/filters.md).
-CUBIC_THRESHOLD = 1e-2
-# Of a mesh's bounding-box diagonal: where the detail size begins when it was automatic.
-FIRST_DETAIL = 0.02
-
-_running: list[Any] = []
+# What differs from the operator for picked faces: picks are exact places, so the line goes through them.
+DEFAULTS = {"filter": "FAIR", "pinned": "ALL", "threshold": CUBIC_THRESHOLD}
 
 
-def stop_all() -> None:
-    """Stop showing what is being drawn; for when the add-on is disabled."""
-    for drawing in list(_running):
-        drawing.stop()
-
-
-class Drawing:
-    """What one run of the tool holds; `update_milliseconds` tells how long each new line took."""
-
-    def __init__(self, context: bpy.types.Context) -> None:
-        self.sketch = Sketch()
-        self.mesh_name = ""
-        self.curve_name = ""
-        self.source = "BASE"
-        self.cubic_options: dict[str, Any] = {"threshold": CUBIC_THRESHOLD}
-        self.opened: surface.Surface | None = None
-        self.points = np.empty((0, 3))
-        self.mirror = (False, False, False)
-        self.mirrored_points: list[np.ndarray] = []
-        self.length = 0.0
-        self.message = ""
-        self.dragged: int | None = None
-        self.hovered: int | None = None
-        self.update_milliseconds: list[float] = []
-        self.area, self.region = context.area, context.region
-        self.workspace = context.workspace
-        self.handlers = overlay.add_handlers(self.draw_view, self.draw_pixels)
-        self.workspace.status_text_set(KEYS)
-        _running.append(self)
-
-    def draw_view(self) -> None:
-        """The line, in the view that is drawn in."""
-        if bpy.context.area == self.area:
-            for points in (self.points, *self.mirrored_points):
-                overlay.draw_line(bpy.context, points, self.sketch.state.is_closed)
-
-    def draw_pixels(self) -> None:
-        """The picks, over it."""
-        if bpy.context.area == self.area:
-            projected = [view.project(bpy.context, pick.place) for pick in self.sketch.state.picks]
-            overlay.draw_picks(bpy.context, [p for p in projected if p is not None], self.hovered)
-
-    def stop(self) -> None:
-        """Leave nothing on the screen."""
-        overlay.remove_handlers(self.handlers)
-        if self in _running:
-            _running.remove(self)
-            self.workspace.status_text_set(None)
-            self.area.header_text_set(None)
-            self.area.tag_redraw()
-
-    def open(self, context: bpy.types.Context, mesh_object: bpy.types.Object, source: str | None = None) -> None:
-        """Take up the mesh that is drawn on: what is seen of it, so after its modifiers where it has any."""
-        session.check_object(mesh_object)
-        has_shape = len(mesh_object.modifiers) > 0 or mesh_object.data.shape_keys is not None
-        self.source = source or ("EVALUATED" if has_shape and context.mode == "OBJECT" else "BASE")
-        self.opened = surface.open_surface(context, mesh_object, source=self.source)
-        self.mesh_name = mesh_object.name
-        mesh = mesh_object.data
-        self.mirror = (mesh.use_mirror_x, mesh.use_mirror_y, mesh.use_mirror_z)
-
-    def choose_options(self) -> dict[str, Any]:
-        """What the library's `polyline` takes beside the picks; the detail size in world units."""
-        state = self.sketch.state
-        options = {"closed": state.is_closed, "filter": state.filter.lower(), "pinned": "all"}
-        if state.filter == "FAIR" and state.detail_size > 0.0:
-            options["detail_size"] = state.detail_size
-        if state.filter == "CUBIC":
-            options |= self.cubic_options
-        return options
-
-    def list_picks(self) -> list[tuple[int, tuple[float, float, float]]]:
-        """The picks as the library takes them."""
-        return [(pick.triangle, pick.barycentric) for pick in self.sketch.state.picks]
-
-    def update(self) -> None:
-        """Make the line of the sketch; a refusal is told and the picks stay."""
-        start = time.perf_counter()
-        self.points, self.length, self.message, self.mirrored_points = np.empty((0, 3)), 0.0, "", []
-        if self.sketch.has_line():
-            self.message = guard.run_quietly(self.make_line) or ""
-        self.update_milliseconds.append(1e3 * (time.perf_counter() - start))
-        state = self.sketch.state
-        told = f"Smooth Polyline on {self.mesh_name}: " if self.mesh_name else "Smooth Polyline: click on a mesh; "
-        told += f"{len(state.picks)} picks, length {self.length:.4g}, {state.filter.title()}"
-        if state.detail_size > 0.0:
-            told += f", detail size {state.detail_size:.4g}"
-        self.area.header_text_set(f"{told}. {self.message}" if self.message else told)
-        self.area.tag_redraw()
-
-    def make_line(self) -> None:
-        """Ask the library."""
-        line = self.opened.library_mesh.polyline(self.list_picks(), **self.choose_options())
-        self.points, self.length = line.points, line.length
-        for picks in self.list_mirrored_picks():
-            mirrored = self.opened.library_mesh.polyline(picks, **self.choose_options())
-            self.mirrored_points.append(mirrored.points)
-
-    def list_mirrored_picks(self) -> list[list[Any]]:
-        """The picks of each mirrored line; an edited curve has none."""
-        if self.curve_name:
-            return []
-        return view.mirror_picks(self.opened, self.sketch.state.picks, self.mirror)
+def make_annotations() -> dict[str, Any]:
+    """The settings of a line, as the tool begins with them: those in its header, not those of the last time."""
+    annotations = {}
+    both = {**settings.LineSettings.__annotations__, **settings.NewLineSettings.__annotations__}
+    for name, prop in both.items():
+        changes = {"default": DEFAULTS[name]} if name in DEFAULTS else {}
+        if name == "source":
+            changes = {"items": SOURCES, "default": "SEEN"}
+        annotations[name] = prop.function(**{**prop.keywords, **changes, "options": {"SKIP_SAVE"}})
+    return annotations
 
 
 class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
-    """Draw a smooth line on a mesh by clicking on its surface"""
+    """Draw a smooth line on a mesh, by clicks and strokes on its surface"""
 
     bl_idname = "view3d.smooth_polyline_draw"
     bl_label = "Draw Smooth Polyline"
-    bl_options = {"UNDO"}
+    bl_options = {"REGISTER", "UNDO"}
 
-    curve: StringProperty(
-        name="Curve", description="The curve object whose picks are edited; none: a new curve", options={"SKIP_SAVE"}
-    )
+    __annotations__ = {
+        **make_annotations(),
+        "curve": StringProperty(
+            name="Curve",
+            description="The curve object whose picks are edited; none: a new curve",
+            options={"SKIP_SAVE", "HIDDEN"},
+        ),
+        "surface": StringProperty(
+            name="Surface", description="The mesh object that was drawn on", options={"SKIP_SAVE", "HIDDEN"}
+        ),
+        "lines": StringProperty(
+            name="Lines",
+            description="What was drawn, as JSON: lines of picks, each a triangle and its three weights",
+            options={"SKIP_SAVE", "HIDDEN"},
+        ),
+    }
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -156,50 +74,133 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         cls.poll_message_set("Go to a 3D view in Object Mode, or in Edit Mode of a mesh")
         return False
 
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out the panel of the last operation."""
+        settings.draw_new_line_settings(self.layout, self)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Make what was drawn, with the settings as they are: after Enter, and from the panel of the last operation."""
+        return guard.run_guarded(self, lambda: self.make(context))
+
+    def make(self, context: bpy.types.Context) -> None:
+        """Add the curves, or give the edited one its picks."""
+        if not self.lines:
+            raise ObjectError("Nothing has been drawn; start the tool in a 3D view and click on a mesh")
+        mesh_object = bpy.data.objects.get(self.surface)
+        if mesh_object is None:
+            raise ObjectError(f"{self.surface}, which was drawn on, is gone")
+        lines = [[(triangle, tuple(weights)) for triangle, weights in line] for line in json.loads(self.lines)]
+        if self.curve:
+            wishes = {name: getattr(self, name) for name in settings.LineSettings.__annotations__}
+            session.replace_picks(context, bpy.data.objects[self.curve].data, lines[0], **wishes)
+            return
+        added = session.add_polylines(
+            context,
+            [(mesh_object, line) for line in lines],
+            **settings.choose_new_line_options(self),
+            **settings.choose_line_options(self),
+        )
+        if context.mode == "OBJECT":
+            for selected in context.selected_objects:
+                selected.select_set(False)
+            for one in added:
+                one.curve_object.select_set(True)
+            context.view_layer.objects.active = added[0].curve_object
+
+    # --- the modal part
+
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Begin: on a curve's picks, or with the click that started the tool."""
-        self.drawing = Drawing(context)
-        message = guard.run_quietly(lambda: self.begin(context))
+        if drawings.running:
+            return {"PASS_THROUGH"}
+        self.timer = None
+        state = SketchState((), False, self.filter_of_tool(), 0.0)
+        self.drawing = Drawing(context, state, self.choose_cubic())
+        message = guard.run_quietly(lambda: self.begin(context, event))
         if message is not None:
-            self.drawing.stop()
+            self.stop(context)
             self.report({"ERROR"}, message)
             return {"CANCELLED"}
+        if self.drawing not in drawings.running:
+            return {"CANCELLED"}
         context.window_manager.modal_handler_add(self)
-        if not self.curve and event.type == "LEFTMOUSE" and event.value == "PRESS":
-            self.handle(context, event)
-        self.drawing.update()
         return {"RUNNING_MODAL"}
 
-    def begin(self, context: bpy.types.Context) -> None:
-        """Take up the picks of the curve that is edited."""
-        if not self.curve:
-            return
-        curve_object = bpy.data.objects.get(self.curve)
-        if curve_object is None or curve_object.type != "CURVE":
-            raise ObjectError(f"There is no curve object {self.curve}; select a curve made by Smooth Polylines")
-        drawing, known = self.drawing, curve_object.data.smooth_polyline
-        drawing.open(context, memory.find_mesh(curve_object.data), known.source)
-        drawing.curve_name = self.curve
-        recalled = memory.recall(curve_object.data, drawing.opened)
-        picks = tuple(self.place_pick(pick) for pick in recalled.picks)
-        shown = known.filter if known.filter != "NONE" else "FAIR"
-        drawing.cubic_options = {
-            "threshold": known.threshold,
-            "knots": known.knots.lower(),
-            "support": known.support,
-        }
-        detail_size = known.detail_size * mesh_read.measure_mean_scale(drawing.opened.arrays.world_matrix)
-        drawing.sketch = Sketch(SketchState(picks, known.closed, shown, detail_size))
+    def filter_of_tool(self) -> str:
+        """The filter to draw with; picks of the tool are points of the surface, which None would not go through."""
+        return self.filter if self.filter != "NONE" else DEFAULTS["filter"]
 
-    def place_pick(self, pick: Any) -> SketchPick:
-        """A recalled pick as one of the sketch."""
-        opened = self.drawing.opened
-        if isinstance(pick, int):
-            corners = opened.arrays.triangles[opened.arrays.triangle_faces == pick]
-            centre = opened.arrays.world_positions[corners].mean(axis=(0, 1))
-            pick = opened.library_mesh.closest_points(centre[None]).surface_points[0]
-        triangle, weights = pick if isinstance(pick, tuple) else (pick.triangle, pick.barycentric)
-        return SketchPick(triangle, tuple(weights), tuple(view.place_of(opened, triangle, weights)))
+    def choose_cubic(self) -> dict[str, Any]:
+        """What the library takes for a cubic."""
+        return {"threshold": self.threshold, "knots": self.knots.lower(), "support": self.support}
+
+    def begin(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
+        """Take up the curve that is edited, or the click."""
+        drawing = self.drawing
+        if self.curve:
+            curve_object = bpy.data.objects.get(self.curve)
+            known = memory.find_memory(curve_object)
+            if known is None:
+                raise ObjectError(f"{self.curve or 'Nothing'} is no curve made by Smooth Polylines; select one")
+            mesh_object = memory.find_mesh(curve_object.data)
+            session.check_object(mesh_object)
+            settings.copy_line_settings(known, self)
+            drawing.options = self.choose_cubic()
+            drawing.curve_name = self.curve
+            drawing.sketch.state = SketchState((), known.closed, self.filter_of_tool(), 0.0)
+            self.open(context, Opening([(0.0, mesh_object)], None, known.source))
+            return
+        if event.type == "LEFTMOUSE" and event.value in {"PRESS", "DOUBLE_CLICK"}:
+            self.handle(context, event)
+        else:
+            drawing.tell()
+
+    def open(self, context: bpy.types.Context, opening: Opening) -> None:
+        """Begin to open a mesh, and finish at once where that takes no time."""
+        self.drawing.opening = opening
+        if opening.go_on(context):
+            self.end_opening(context)
+        elif self.timer is None:
+            self.timer = context.window_manager.event_timer_add(TICK, window=context.window)
+            context.window_manager.progress_begin(0, 100)
+
+    def end_opening(self, context: bpy.types.Context) -> None:
+        """Draw on what was opened, and take the events that came meanwhile."""
+        drawing = self.drawing
+        opening, drawing.opening = drawing.opening, None
+        self.stop_timer(context)
+        waiting, drawing.waiting = drawing.waiting, []
+        if not opening.chosen:
+            drawing.hint = "click on a mesh"
+            drawing.tell()
+            return
+        drawing.hint = ""
+        drawing.take_surface(opening)
+        if self.curve:
+            data = bpy.data.objects[self.curve].data
+            size = memory.get_memory(data).detail_size * mesh_read.measure_mean_scale(
+                opening.surface.arrays.world_matrix
+            )
+            drawing.recall(data, size)
+        drawing.update()
+        for given in waiting:
+            drawing.gestures.take(given)
+        if drawing.gestures.is_changed:
+            drawing.update()
+        drawing.tell()
+        drawing.tag_redraw()
+
+    def stop_timer(self, context: bpy.types.Context) -> None:
+        """Take back what shows progress."""
+        if self.timer is not None:
+            context.window_manager.event_timer_remove(self.timer)
+            context.window_manager.progress_end()
+            self.timer = None
+
+    def stop(self, context: bpy.types.Context) -> None:
+        """Leave nothing on the screen."""
+        self.stop_timer(context)
+        self.drawing.stop()
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """One event; an unforeseen error ends the tool with a message."""
@@ -213,142 +214,90 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         if message is not None:
             self.report({"ERROR"}, message)
         if result & {"FINISHED", "CANCELLED"}:
-            self.drawing.stop()
+            self.stop(context)
         return result
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Blender ends the tool: another file, or the end."""
-        self.drawing.stop()
+        self.stop(context)
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """What an event does; the modal state that follows."""
-        drawing, sketch = self.drawing, self.drawing.sketch
-        if drawing not in _running:
+        drawing, since = self.drawing, time.perf_counter()
+        if drawing not in drawings.running or context.region_data is None:
             return {"CANCELLED"}
-        is_press = event.value == "PRESS"
-        if event.type in {"WHEELUPMOUSE", "WHEELDOWNMOUSE"} and event.ctrl:
-            if drawing.opened is not None:
-                diagonal = float(np.linalg.norm(np.ptp(drawing.opened.arrays.world_positions, axis=0)))
-                sketch.scale_detail(1 if event.type == "WHEELUPMOUSE" else -1, FIRST_DETAIL * diagonal)
-                drawing.update()
+        drawing.canvas.look(context)
+        given = read_event(context, event)
+        if drawing.opening is not None:
+            return self.wait(context, event, given)
+        is_click = given.kind == "LEFTMOUSE" and given.value in {"PRESS", "DOUBLE_CLICK"}
+        if drawing.is_moved or is_click or given.kind in {"RET", "NUMPAD_ENTER"}:
+            drawing.refresh(context)
+        if is_click and drawing.opened is None and given.is_over_view and not given.alt:
+            drawing.waiting = [given]
+            self.open(context, Opening(view.list_candidates(context, given.ray), given.ray, self.source))
             return {"RUNNING_MODAL"}
-        if event.type.startswith(PASSED_ON):
-            return {"PASS_THROUGH"}
-        region = drawing.region
-        mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
-        is_inside = view.is_over_view(drawing.area, region, event.mouse_x, event.mouse_y)
-        if event.type == "LEFTMOUSE":
-            return self.handle_button(context, event, mouse, is_inside)
-        if event.type == "MOUSEMOVE":
-            self.handle_move(context, event, mouse)
-            return {"RUNNING_MODAL" if drawing.dragged is not None else "PASS_THROUGH"}
-        if not is_press:
-            return {"PASS_THROUGH"}
-        if event.type in {"RET", "NUMPAD_ENTER"}:
+        hovered = drawing.gestures.hovered
+        answer = drawing.gestures.take(given)
+        if drawing.gestures.is_changed:
+            drawing.update(since)
+            drawing.tell()
+            drawing.tag_redraw()
+        elif hovered != drawing.gestures.hovered or drawing.gestures.trail:
+            drawing.tag_redraw()
+        if drawing.gestures.hint:
+            drawing.tell()
+        drawing.hint = ""
+        if answer is Answer.KEEP:
             return self.keep(context)
-        if event.type == "ESC":
+        states = {Answer.TAKEN: "RUNNING_MODAL", Answer.PASSED: "PASS_THROUGH", Answer.LEAVE: "CANCELLED"}
+        return {states[answer]}
+
+    def wait(self, context: bpy.types.Context, event: bpy.types.Event, given: Input) -> set[str]:
+        """An event while a mesh is being opened: it is looked at later, but for Esc and the view's own."""
+        drawing = self.drawing
+        if given.kind == "ESC" and given.value == "PRESS":
             return {"CANCELLED"}
-        if event.type == "Z" and event.ctrl:
-            (sketch.redo if event.shift else sketch.undo)()
-        elif event.type in {"X", "DEL", "BACK_SPACE"} and sketch.state.picks:
-            sketch.remove(len(sketch.state.picks) - 1 if drawing.hovered is None else drawing.hovered)
-        elif event.type == "C":
-            sketch.toggle_closed()
-        elif event.type == "T":
-            sketch.cycle_filter()
-        else:
-            return {"PASS_THROUGH"} if not is_inside else {"RUNNING_MODAL"}
-        drawing.hovered = None
-        drawing.update()
-        return {"RUNNING_MODAL"}
-
-    def handle_button(
-        self, context: bpy.types.Context, event: bpy.types.Event, mouse: tuple[int, int], is_inside: bool
-    ) -> set[str]:
-        """Press takes hold of a pick or makes one; release lets go."""
-        drawing, sketch = self.drawing, self.drawing.sketch
-        if event.value == "RELEASE":
-            if drawing.dragged is not None:
-                drawing.dragged = None
-                sketch.let_go()
-                drawing.update()
+        if given.kind == "TIMER":
+            if drawing.opening.go_on(context, 0.0):
+                self.end_opening(context)
+            else:
+                context.window_manager.progress_update(round(100 * drawing.opening.measure_progress()))
+                drawing.tell()
             return {"RUNNING_MODAL"}
-        if not is_inside:
+        if given.kind.startswith(NAVIGATION):
             return {"PASS_THROUGH"}
-        near = view.find_near_pick(context, sketch.state.picks, mouse, REACH * overlay.get_scale(context))
-        if near is not None and not event.ctrl:
-            sketch.hold()
-            drawing.dragged = near
-            return {"RUNNING_MODAL"}
-        if drawing.opened is None:
-            mesh_object = self.find_object(context, mouse)
-            if mesh_object is None:
-                drawing.area.header_text_set("Smooth Polyline: click on a mesh")
-                return {"RUNNING_MODAL"}
-            drawing.open(context, mesh_object)
-        pick = view.find_pick(context, drawing.opened, mouse, event.shift)
-        if pick is None:
-            return {"RUNNING_MODAL"}
-        if event.ctrl and len(drawing.points) > 1:
-            state = sketch.state
-            leg = view.find_leg(drawing.points, state.is_closed, state.picks, pick.place)
-            drawing.dragged = sketch.insert(leg, pick)
-        else:
-            drawing.dragged = sketch.add(pick)
-        drawing.hovered = drawing.dragged
-        drawing.update()
+        if given.kind != "MOUSEMOVE" and not given.kind.startswith("TIMER"):
+            drawing.waiting.append(given)
         return {"RUNNING_MODAL"}
-
-    def handle_move(self, context: bpy.types.Context, event: bpy.types.Event, mouse: tuple[int, int]) -> None:
-        """Drag the pick that is held, or find the one under the mouse."""
-        drawing, sketch = self.drawing, self.drawing.sketch
-        if drawing.dragged is None:
-            reach = REACH * overlay.get_scale(context)
-            hovered = view.find_near_pick(context, sketch.state.picks, mouse, reach)
-            if hovered != drawing.hovered:
-                drawing.hovered = hovered
-                drawing.area.tag_redraw()
-            return
-        pick = view.find_pick(context, drawing.opened, mouse, event.shift)
-        if pick is not None and pick != sketch.state.picks[drawing.dragged]:
-            sketch.move(drawing.dragged, pick)
-            drawing.update()
-
-    def find_object(self, context: bpy.types.Context, mouse: tuple[int, int]) -> bpy.types.Object | None:
-        """The mesh object under the mouse: in Edit Mode among those that are edited."""
-        origin, direction = view.find_ray(context, mouse)
-        if context.mode == "EDIT_MESH":
-            best = (float("inf"), None)
-            for mesh_object in context.objects_in_mode_unique_data:
-                opened = surface.open_surface(context, mesh_object)
-                distance = opened.library_mesh.ray_cast(np.array([origin]), np.array([direction])).distances[0]
-                best = min(best, (float(distance), mesh_object), key=lambda entry: entry[0])
-            return best[1]
-        graph = context.evaluated_depsgraph_get()
-        is_hit, _, _, _, found, _ = context.scene.ray_cast(graph, origin, direction)
-        return found.original if is_hit and found.type == "MESH" else None
 
     def keep(self, context: bpy.types.Context) -> set[str]:
-        """Make the curve, or give the edited one its new picks."""
-        drawing = self.drawing
-        if not drawing.sketch.has_line():
-            drawing.area.header_text_set("Smooth Polyline: two picks make a line, three a loop. Click on the mesh")
-            return {"RUNNING_MODAL"}
-        wishes = drawing.choose_options()
-        if "detail_size" in wishes:
-            wishes["detail_size"] /= mesh_read.measure_mean_scale(drawing.opened.arrays.world_matrix)
-        if drawing.curve_name:
-            curve = bpy.data.objects[drawing.curve_name].data
-            # Automatic is a choice, too: the size of before must not stay.
-            session.replace_picks(context, curve, drawing.list_picks(), **{"detail_size": 0.0, **wishes})
-            return {"FINISHED"}
-        mesh_object = bpy.data.objects[drawing.mesh_name]
-        added = session.add_polyline(context, mesh_object, drawing.list_picks(), source=drawing.source, **wishes)
-        for picks in drawing.list_mirrored_picks():
-            session.add_polyline(context, mesh_object, picks, source=drawing.source, **wishes)
-        if context.mode == "OBJECT":
-            for selected in context.selected_objects:
-                selected.select_set(False)
-            added.curve_object.select_set(True)
-            context.view_layer.objects.active = added.curve_object
-        return {"FINISHED"}
+        """Make the curve; what it was made from stays in the operator, for the panel of the last operation."""
+        drawing, state = self.drawing, self.drawing.sketch.state
+        lines = [drawing.list_picks()]
+        lines += [[(p.triangle, p.barycentric) for p in picks] for picks in drawing.list_mirrored_picks()]
+        self.lines, self.surface, self.source = json.dumps(lines), drawing.mesh_name, drawing.source
+        self.filter, self.closed, self.pinned = state.filter, state.is_closed, "ALL"
+        self.detail_size = state.detail_size / mesh_read.measure_mean_scale(drawing.opened.arrays.world_matrix)
+        return self.execute(context)
+
+
+def read_event(context: bpy.types.Context, event: bpy.types.Event) -> Input:
+    """An event as the gestures take it."""
+    region, region_3d = context.region, context.region_data
+    mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
+    area = context.area
+    is_over_area = area.x <= event.mouse_x < area.x + area.width and area.y <= event.mouse_y < area.y + area.height
+    return Input(
+        event.type,
+        event.value,
+        mouse,
+        view.find_ray(region, region_3d, mouse),
+        event.ctrl or event.oskey,
+        event.shift,
+        event.alt,
+        event.is_repeat,
+        view.is_over_view(area, region, event.mouse_x, event.mouse_y)
+        and not view.is_over_gizmo(context, region, event.mouse_x, event.mouse_y),
+        is_over_area,
+    )

@@ -4,7 +4,9 @@
 Plain Python: knows neither Blender nor the library, and is tested by itself.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 FILTERS = ("FAIR", "GEODESIC", "LINEAR", "CUBIC")
 
@@ -46,31 +48,38 @@ class Sketch:
             self.undone.clear()
             self.state = state
 
-    def add(self, pick: SketchPick) -> int:
-        """A pick at the end; where it stands."""
-        self.step(replace(self.state, picks=(*self.state.picks, pick)))
-        return len(self.state.picks) - 1
-
-    def insert(self, place: int, pick: SketchPick) -> int:
-        """A pick before the one at `place`; where it stands."""
-        picks = self.state.picks
-        self.step(replace(self.state, picks=(*picks[:place], pick, *picks[place:])))
-        return place
-
-    def move(self, place: int, pick: SketchPick) -> None:
-        """Move a pick, as a part of the step before: a drag is one step, which `hold` begins."""
-        picks = self.state.picks
-        self.state = replace(self.state, picks=(*picks[:place], pick, *picks[place + 1 :]))
+    def change(self, **changes: Any) -> None:
+        """Change the state as a part of the step that `hold` began."""
+        self.state = replace(self.state, **changes)
 
     def hold(self) -> None:
-        """Begin a step whose end is still open."""
+        """Begin a step whose end is still open, such as a drag."""
         self.done.append(self.state)
-        self.undone.clear()
 
     def let_go(self) -> None:
         """End the step that `hold` began; one that changed nothing is none."""
-        if self.done and self.done[-1] == self.state:
+        if self.done[-1] == self.state:
             self.done.pop()
+        else:
+            self.undone.clear()
+
+    def call_off(self) -> None:
+        """End the step that `hold` began, and take it back."""
+        self.state = self.done.pop()
+
+    def move_picks(self, move: Callable[[SketchPick], SketchPick]) -> None:
+        """Replace every pick, also in the steps that undo and redo lead to: the surface under them has changed."""
+        moved: dict[SketchPick, SketchPick] = {}
+
+        def replace_picks(state: SketchState) -> SketchState:
+            for pick in state.picks:
+                if pick not in moved:
+                    moved[pick] = move(pick)
+            return replace(state, picks=tuple(moved[pick] for pick in state.picks))
+
+        self.state = replace_picks(self.state)
+        self.done = [replace_picks(state) for state in self.done]
+        self.undone = [replace_picks(state) for state in self.undone]
 
     def remove(self, place: int) -> None:
         """Take a pick out; a loop of two picks is none."""

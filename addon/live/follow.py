@@ -7,6 +7,7 @@ know.
 """
 
 from functools import partial
+from typing import Any
 
 import bpy
 from bpy.app.handlers import persistent
@@ -38,10 +39,10 @@ HANDLERS = ((bpy.app.handlers.frame_change_post, on_frame), (bpy.app.handlers.de
 
 def follow_all(depsgraph: bpy.types.Depsgraph, changed: set[int] | None) -> None:
     """Follow every curve that remembers, where its mesh is among `changed` (None: whatever it is)."""
-    for curve in bpy.data.curves:
-        known = curve.smooth_polyline
+    for curve in list(memory.list_remembering()):
+        known = memory.get_memory(curve)
         mesh_object = known.surface
-        if not known.stored or curve.library is not None or memory.is_mesh_gone(known) or mesh_object.type != "MESH":
+        if curve.library is not None or memory.is_mesh_gone(known) or mesh_object.type != "MESH":
             continue
         # What is being edited is followed when the edit is over: until then its buffers are not to be had cheaply.
         if mesh_object.data.is_editmode:
@@ -56,20 +57,16 @@ def follow_all(depsgraph: bpy.types.Depsgraph, changed: set[int] | None) -> None
         guard.run_quietly(partial(follow_curve, curve, mesh_object, depsgraph, is_rebuilt))
 
 
-def is_mesh_rebuilt(
-    curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_edited: bool
-) -> bool:
+def is_mesh_rebuilt(curve: Any, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_edited: bool) -> bool:
     """Whether what the line was made on has other vertices or faces now; after modifiers only their numbers count."""
-    if curve.smooth_polyline.source == "EVALUATED":
+    if memory.get_memory(curve).source == "EVALUATED":
         return not shape.has_counts(curve, mesh_object.evaluated_get(depsgraph).data)
     return is_edited and not memory.is_on_topology(curve, mesh_object)
 
 
-def follow_curve(
-    curve: bpy.types.Curve, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_rebuilt: bool
-) -> None:
+def follow_curve(curve: Any, mesh_object: bpy.types.Object, depsgraph: bpy.types.Depsgraph, is_rebuilt: bool) -> None:
     """Place the points of `curve` on the evaluated mesh; where the mesh was rebuilt, make its line again first."""
-    known = curve.smooth_polyline
+    known = memory.get_memory(curve)
     if is_rebuilt:
         if known.state == "STALE":
             return

@@ -8,7 +8,7 @@ is `session.update_curve`.
 
 import functools
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 import bpy
 from bpy.props import EnumProperty, PointerProperty, StringProperty
 
-from .. import mesh_read, settings
+from .. import line_data, mesh_read, settings
 from ..errors import ObjectError
 
 # A pick that is this far from the surface, as a part of the mesh's bounding-box diagonal, is not found again.
@@ -108,7 +108,7 @@ class SmoothPolylineMemory(bpy.types.PropertyGroup):
 
 
 def remember(
-    curve: bpy.types.Curve,
+    curve: Any,
     mesh_object: bpy.types.Object,
     picks: Sequence[Any],
     arrays: mesh_read.MeshArrays,
@@ -116,7 +116,7 @@ def remember(
     wishes: dict[str, Any],
 ) -> None:
     """Make `curve` remember: picks as the library takes them, and the options as `session.add_polyline` does."""
-    memory = curve.smooth_polyline
+    memory = get_memory(curve)
     memory.is_locked = True
     try:
         memory.surface = mesh_object
@@ -128,9 +128,9 @@ def remember(
     keep(curve, mesh_object, Recalled(list(picks), flags, False), arrays, placed)
 
 
-def change_settings(curve: bpy.types.Curve, wishes: dict[str, Any]) -> None:
+def change_settings(curve: Any, wishes: dict[str, Any]) -> None:
     """Set what `wishes` name, as `session.add_polyline` takes them, without making the line again."""
-    memory = curve.smooth_polyline
+    memory = get_memory(curve)
     memory.is_locked = True
     try:
         for name in settings.LineSettings.__annotations__:
@@ -143,14 +143,14 @@ def change_settings(curve: bpy.types.Curve, wishes: dict[str, Any]) -> None:
 
 
 def keep(
-    curve: bpy.types.Curve,
+    curve: Any,
     mesh_object: bpy.types.Object,
     recalled: Recalled,
     arrays: mesh_read.MeshArrays,
     placed: PlacedLine,
 ) -> None:
     """Store the picks and points of a line that was just made."""
-    memory = curve.smooth_polyline
+    memory = get_memory(curve)
     memory.stored = json.dumps(
         {
             "picks": [asdict(describe_pick(pick, arrays)) for pick in recalled.picks],
@@ -179,9 +179,49 @@ def describe_pick(pick: Any, arrays: mesh_read.MeshArrays) -> Pick:
     return Pick(place.tolist(), None, int(triangle), vertices.tolist(), [float(weight) for weight in weights])
 
 
-def find_mesh(curve: bpy.types.Curve) -> bpy.types.Object:
+def get_memory(data: Any) -> SmoothPolylineMemory:
+    """The memory of a data-block that can hold a line."""
+    return data.smooth_polyline
+
+
+def find_memory(line_object: bpy.types.Object | None) -> SmoothPolylineMemory | None:
+    """The memory of an object's data, where it holds a line that was made by us."""
+    data = getattr(line_object, "data", None)
+    return get_memory(data) if data is not None and is_remembering(data) else None
+
+
+def is_remembering(data: Any) -> bool:
+    """Whether a data-block holds a line made by us. Merely looking must not give it a memory, as access would."""
+    return (
+        isinstance(data, tuple(list_types()))
+        and data.is_property_set("smooth_polyline")
+        and bool(data.smooth_polyline.stored)
+    )
+
+
+def list_remembering() -> Iterator[Any]:
+    """All data-blocks of the file that hold a line made by us."""
+    for output, _, _ in line_data.OUTPUTS:
+        for data in line_data.list_blocks(output) or ():
+            if is_remembering(data):
+                yield data
+
+
+def copy_memory(old: Any, new: Any) -> None:
+    """Make the data-block `new`, of another kind, remember what `old` does."""
+    source, target = get_memory(old), get_memory(new)
+    target.is_locked = True
+    try:
+        settings.copy_line_settings(source, target)
+        for name in ("surface", "state", "message", "stored"):
+            setattr(target, name, getattr(source, name))
+    finally:
+        target.is_locked = False
+
+
+def find_mesh(curve: Any) -> bpy.types.Object:
     """The mesh object that the curve lies on; ObjectError when the curve knows none."""
-    memory = curve.smooth_polyline
+    memory = get_memory(curve)
     if not memory.stored:
         raise ObjectError(f"{curve.name} was not made by Smooth Polylines, so there is nothing to make it from again")
     if is_mesh_gone(memory):
@@ -194,15 +234,15 @@ def is_mesh_gone(memory: SmoothPolylineMemory) -> bool:
     return memory.surface is None or len(memory.surface.users_scene) == 0
 
 
-def recall(curve: bpy.types.Curve, opened: Any) -> Recalled:
+def recall(curve: Any, opened: Any) -> Recalled:
     """The picks of `curve` on the opened surface: the same faces, or, on a rebuilt mesh, the nearest points.
 
     Raises ObjectError when a pick has no surface near it any more.
     """
-    stored = json.loads(curve.smooth_polyline.stored)
+    stored = json.loads(get_memory(curve).stored)
     picks = [Pick(**pick) for pick in stored["picks"]]
     pinned = stored["pinned"]
-    if stored["topology"] == measure_current_topology(curve.smooth_polyline.surface, curve.smooth_polyline.source):
+    if stored["topology"] == measure_current_topology(get_memory(curve).surface, get_memory(curve).source):
         found = [find_same(pick, opened.arrays) for pick in picks]
         if all(pick is not None for pick in found):
             return Recalled(found, pinned, False)
@@ -235,11 +275,9 @@ def find_same(pick: Pick, arrays: mesh_read.MeshArrays) -> Any | None:
     return triangle, [weight_of[vertex] for vertex in arrays.triangles[triangle].tolist()]
 
 
-def is_on_topology(curve: bpy.types.Curve, mesh_object: bpy.types.Object) -> bool:
+def is_on_topology(curve: Any, mesh_object: bpy.types.Object) -> bool:
     """Whether the mesh still has the vertices and faces that the points of `curve` were made on."""
-    return read_points(curve.smooth_polyline.stored)[2] == measure_current_topology(
-        mesh_object, curve.smooth_polyline.source
-    )
+    return read_points(get_memory(curve).stored)[2] == measure_current_topology(mesh_object, get_memory(curve).source)
 
 
 def measure_current_topology(mesh_object: bpy.types.Object, source: str) -> list[int]:
@@ -259,12 +297,19 @@ def read_points(stored: str) -> tuple[np.ndarray, np.ndarray, list[int]]:
     )
 
 
+def list_types() -> list[type]:
+    """The types of data-block that can remember: every kind that holds a line, as far as this Blender has it."""
+    return [getattr(bpy.types, name) for name in ("Curve", "Mesh", "Curves") if hasattr(bpy.types, name)]
+
+
 def register() -> None:
-    """Give curves their memory."""
-    bpy.types.Curve.smooth_polyline = PointerProperty(type=SmoothPolylineMemory)
+    """Give data-blocks their memory."""
+    for kind in list_types():
+        kind.smooth_polyline = PointerProperty(type=SmoothPolylineMemory)
 
 
 def unregister() -> None:
     """Take it back; what files hold of it stays in them."""
-    if hasattr(bpy.types.Curve, "smooth_polyline"):
-        del bpy.types.Curve.smooth_polyline
+    for kind in list_types():
+        if hasattr(kind, "smooth_polyline"):
+            del kind.smooth_polyline

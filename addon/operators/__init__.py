@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The operators, one file each; thin: properties, poll, panel and one call into `session`."""
 
-from . import add_polyline, copy_marks, update_curve
+from . import add_polyline, change_line, copy_marks
 
 CLASSES = (
     add_polyline.MESH_OT_smooth_polyline_add,
-    update_curve.CURVE_OT_smooth_polyline_update,
+    change_line.CURVE_OT_smooth_polyline_update,
+    change_line.OBJECT_OT_smooth_polyline_change_output,
     copy_marks.MESH_OT_smooth_polyline_copy_marks,
     copy_marks.MESH_OT_smooth_polyline_mirror_marks,
 )

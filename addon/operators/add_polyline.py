@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Edit Mode > Face > Add Smooth Polyline: its panel, and one call into `session`.
 
-Holds no logic of its own; the properties are those of `settings`, and a name.
+Holds no logic of its own; the properties are those of `settings`.
 """
 
 import bpy
-from bpy.props import StringProperty
 
 from .. import guard, selection, session, settings
 
@@ -15,14 +14,12 @@ NOT_CONVERGED = {
 }
 
 
-class MESH_OT_smooth_polyline_add(settings.LineSettings, bpy.types.Operator):
+class MESH_OT_smooth_polyline_add(settings.NewLineSettings, bpy.types.Operator):
     """Add a smooth curve on the surface, through the faces in the order they were picked"""
 
     bl_idname = "mesh.smooth_polyline_add"
     bl_label = "Add Smooth Polyline"
     bl_options = {"REGISTER", "UNDO"}
-
-    name: StringProperty(name="Name", description="Name of the new curve object", default=session.DEFAULT_NAME)
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -34,36 +31,29 @@ class MESH_OT_smooth_polyline_add(settings.LineSettings, bpy.types.Operator):
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out the panel of the last operation; what the filter does not use is greyed out."""
-        layout = self.layout
-        settings.draw_line_settings(layout, self)
-        layout.prop(self, "name")
+        settings.draw_new_line_settings(self.layout, self)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Make the curve from the picked faces of the active mesh."""
-        return guard.run_guarded(self, lambda: self.add_polyline(context))
+        """Make the curve from the picked faces, one for each mesh that has some."""
+        return guard.run_guarded(self, lambda: self.add_polylines(context))
 
-    def add_polyline(self, context: bpy.types.Context) -> None:
+    def add_polylines(self, context: bpy.types.Context) -> None:
         """Translate the properties, call the session, tell what came out."""
-        mesh_object = context.edit_object
-        added = session.add_polyline(
+        picked = selection.list_picked_objects(context) or [context.edit_object]
+        all_added = session.add_polylines(
             context,
-            mesh_object,
-            source=self.source,
-            bevel=self.bevel or None,
-            offset=self.offset,
-            resample=self.resample,
-            name=self.name,
+            [(mesh_object, None) for mesh_object in picked],
+            **settings.choose_new_line_options(self),
             **settings.choose_line_options(self),
         )
+        for added in all_added:
+            self.tell(added)
+
+    def tell(self, added: session.AddedPolyline) -> None:
+        """Report how a line came out."""
         report = added.line.report
-        told = f"Line through {len(added.picks)} picks with {len(added.line.points)} points"
-        ignored = selection.find_ignored_objects(context, mesh_object)
-        if ignored:
-            self.report(
-                {"WARNING"},
-                f"{told}, on the active object {mesh_object.name} only, not on {', '.join(ignored)}",
-            )
-        elif report.stop_reason in NOT_CONVERGED:
+        told = f"{added.curve_object.name}: through {len(added.picks)} picks with {len(added.line.points)} points"
+        if report.stop_reason in NOT_CONVERGED:
             self.report({"WARNING"}, f"{told}; {NOT_CONVERGED[report.stop_reason]}")
         else:
             self.report({"INFO"}, f"{told}, {report.iterations} rounds")

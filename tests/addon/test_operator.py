@@ -15,6 +15,7 @@ from blender_scenes import (
     measure_distances,
     pick_faces,
     read_mesh_slowly,
+    select_faces_without_order,
 )
 
 # 32-bit coordinates of a mesh two units wide are rounded by 1e-7; the contract asks for 1e-5.
@@ -115,7 +116,9 @@ def test_automatic_iterations_and_left_over_values_of_other_filters_do_no_harm(s
     assert len(get_curves()) == 2
 
 
-def test_only_the_active_object_is_used_and_it_is_said(suzanne, capfd):
+@pytest.fixture
+def two_meshes(suzanne):
+    """Suzanne, the active one, and a cube beside her, both in Edit Mode with nothing selected."""
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0))
     cube = bpy.context.object
@@ -123,16 +126,34 @@ def test_only_the_active_object_is_used_and_it_is_said(suzanne, capfd):
     bpy.context.view_layer.objects.active = suzanne
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
-    pick_faces(cube, [0, 1])
+    return suzanne, cube
+
+
+def test_each_mesh_in_edit_mode_with_picked_faces_gets_its_line(two_meshes):
+    suzanne, cube = two_meshes
     with pytest.raises(RuntimeError, match="No faces are selected on Suzanne"):
         bpy.ops.mesh.smooth_polyline_add()
-    assert get_curves() == []
+    pick_faces(cube, [0, 1])
+    bpy.ops.mesh.smooth_polyline_add()
+    assert [curve.parent for curve in get_curves()] == [cube]
     pick_faces(suzanne, SUZANNE_PICKS)
     bpy.ops.mesh.smooth_polyline_add()
-    (curve_object,) = get_curves()
-    assert curve_object.parent == suzanne
-    # Blender prints what an operator reports.
-    assert "on the active object Suzanne only, not on Cube" in capfd.readouterr().out
+    assert sorted(curve.parent.name for curve in get_curves()) == ["Cube", "Cube", "Suzanne"]
+    for curve_object in get_curves():
+        positions, triangles, _ = read_mesh_slowly(curve_object.parent.data)
+        assert measure_distances(get_spline_points(curve_object), positions, triangles).max() < 1e-6
+
+
+def test_what_one_of_several_meshes_refuses_leaves_nothing_and_names_it(two_meshes):
+    suzanne, cube = two_meshes
+    pick_faces(suzanne, SUZANNE_PICKS)
+    select_faces_without_order(cube, [0, 1])
+    with pytest.raises(RuntimeError, match="2 of the 2 selected faces have no order"):
+        bpy.ops.mesh.smooth_polyline_add()
+    pick_faces(cube, [0, 1])
+    with pytest.raises(RuntimeError, match="Suzanne: .*at least 3|Cube: .*3 "):
+        bpy.ops.mesh.smooth_polyline_add(closed=True)
+    assert get_curves() == []
 
 
 class RowRecorder:
@@ -151,22 +172,27 @@ class RowRecorder:
     def prop(self, _operator, name):
         self.drawn[name] = self.enabled
 
+    def prop_search(self, _operator, name, _where, _collection):
+        self.drawn[name] = self.enabled
+
 
 @pytest.mark.parametrize(
-    ("filter_", "solver", "greyed_out"),
+    ("filter_", "solver", "output", "greyed_out"),
     [
-        ("LINEAR", "AUTO", {"detail_size", "knots", "support", "threshold"}),
-        ("LINEAR", "HEAP", {"detail_size", "knots", "support"}),
-        ("CUBIC", "AUTO", {"detail_size"}),
-        ("GEODESIC", "HEAP", {"detail_size", "knots", "support", "solver", "threshold"}),
-        ("FAIR", "AUTO", {"knots", "support", "solver", "threshold"}),
-        ("NONE", "AUTO", {"detail_size", "knots", "support", "solver", "threshold", "max_iterations"}),
+        ("LINEAR", "AUTO", "CURVE", {"detail_size", "knots", "support", "threshold"}),
+        ("LINEAR", "HEAP", "CURVE", {"detail_size", "knots", "support"}),
+        ("CUBIC", "AUTO", "CURVE", {"detail_size"}),
+        ("CUBIC", "AUTO", "MESH", {"detail_size", "bevel"}),
+        ("GEODESIC", "HEAP", "CURVE", {"detail_size", "knots", "support", "solver", "threshold"}),
+        ("FAIR", "AUTO", "CURVE", {"knots", "support", "solver", "threshold"}),
+        ("NONE", "AUTO", "CURVE", {"detail_size", "knots", "support", "solver", "threshold", "max_iterations"}),
     ],
 )
-def test_panel_shows_every_property_and_greys_out_what_is_not_used(extension, filter_, solver, greyed_out):
+def test_panel_shows_every_property_and_greys_out_what_is_not_used(extension, filter_, solver, output, greyed_out):
     drawn = {}
     operator_class = bpy.types.MESH_OT_smooth_polyline_add
-    operator_class.draw(SimpleNamespace(layout=RowRecorder(drawn), filter=filter_, solver=solver), bpy.context)
+    values = SimpleNamespace(layout=RowRecorder(drawn), filter=filter_, solver=solver, output=output)
+    operator_class.draw(values, bpy.context)
     properties = set(bpy.ops.mesh.smooth_polyline_add.get_rna_type().properties.keys()) - {"rna_type"}
     assert set(drawn) == properties
     assert {name for name, enabled in drawn.items() if not enabled} == greyed_out

@@ -92,7 +92,8 @@ def test_all_properties_are_there_under_their_fixed_names(extension):
     defaults = {name: properties[name].default for name in ("closed", "max_iterations", "detail_size", "offset")}
     assert defaults == {"closed": False, "max_iterations": 0, "detail_size": 0.0, "offset": 0.0}
     assert properties["threshold"].default == pytest.approx(1e-4)
-    assert {"bevel", "name", "solver", "knots", "support"} <= set(properties.keys())
+    assert properties["output"].enum_items.keys() == ["CURVE", "MESH", "CURVES"]
+    assert {"bevel", "name", "collection", "material", "solver", "knots", "support"} <= set(properties.keys())
 
 
 class Panic(BaseException):
@@ -108,7 +109,7 @@ def test_unexpected_error_is_a_short_message_and_a_traceback_on_the_console(suza
     def fail(*_arguments, **_options):
         raise error
 
-    monkeypatch.setattr(session, "add_polyline", fail)
+    monkeypatch.setattr(session, "add_polylines", fail)
     with pytest.raises(RuntimeError, match=rf"failed unexpectedly \({type(error).__name__}\)") as caught:
         bpy.ops.mesh.smooth_polyline_add()
     assert "secret detail" not in str(caught.value)

@@ -26,57 +26,65 @@ def places(sketch):
     return [pick.place[0] for pick in sketch.state.picks]
 
 
-def test_picks_are_added_inserted_and_removed_step_by_step(tool):
+def add(tool, sketch, x):
+    sketch.hold()
+    sketch.change(picks=(*sketch.state.picks, make_pick(tool, x)))
+    sketch.let_go()
+
+
+def test_steps_go_back_and_forward(tool):
     sketch = tool.Sketch()
-    assert [sketch.add(make_pick(tool, x)) for x in (0, 1, 3)] == [0, 1, 2]
-    assert sketch.insert(2, make_pick(tool, 2)) == 2
-    assert places(sketch) == [0, 1, 2, 3]
+    for x in range(3):
+        add(tool, sketch, x)
     sketch.remove(0)
-    assert places(sketch) == [1, 2, 3]
-    for expected in ([0, 1, 2, 3], [0, 1, 3], [0, 1], [0], []):
+    assert places(sketch) == [1, 2]
+    for expected in ([0, 1, 2], [0, 1], [0], []):
         assert sketch.undo()
         assert places(sketch) == expected
     assert not sketch.undo()
     while sketch.redo():
         pass
-    assert places(sketch) == [1, 2, 3]
+    assert places(sketch) == [1, 2]
 
 
-def test_a_drag_is_one_step_and_one_that_moves_nothing_is_none(tool):
+def test_a_step_called_off_leaves_what_was_undone(tool):
     sketch = tool.Sketch()
-    sketch.add(make_pick(tool, 0))
-    sketch.add(make_pick(tool, 1))
-    sketch.hold()
-    for x in (4, 5, 6):
-        sketch.move(1, make_pick(tool, x))
-    sketch.let_go()
-    assert places(sketch) == [0, 6]
-    sketch.hold()
-    sketch.let_go()
+    add(tool, sketch, 0)
+    add(tool, sketch, 1)
     sketch.undo()
-    assert places(sketch) == [0, 1]
-    sketch.redo()
-    assert places(sketch) == [0, 6]
-
-
-def test_a_new_step_forgets_what_was_undone(tool):
-    sketch = tool.Sketch()
-    sketch.add(make_pick(tool, 0))
+    sketch.hold()
+    sketch.change(picks=())
+    sketch.call_off()
+    assert places(sketch) == [0]
+    assert sketch.redo()
     sketch.undo()
-    sketch.add(make_pick(tool, 7))
+    add(tool, sketch, 7)  # a new step forgets it
     assert not sketch.redo()
-    assert places(sketch) == [7]
+    assert places(sketch) == [0, 7]
+
+
+def test_picks_move_with_their_surface_in_every_step(tool):
+    sketch = tool.Sketch()
+    for x in range(3):
+        add(tool, sketch, x)
+    sketch.undo()
+    sketch.move_picks(lambda pick: make_pick(tool, pick.place[0] + 10))
+    assert places(sketch) == [10, 11]
+    sketch.redo()
+    assert places(sketch) == [10, 11, 12]
+    sketch.undo()
+    sketch.undo()
+    assert places(sketch) == [10]
 
 
 def test_a_loop_needs_three_picks_and_opens_when_they_go(tool):
     sketch = tool.Sketch()
     for x in range(2):
-        sketch.add(make_pick(tool, x))
+        add(tool, sketch, x)
     assert sketch.has_line()
     assert not sketch.toggle_closed()
-    sketch.add(make_pick(tool, 2))
+    add(tool, sketch, 2)
     assert sketch.toggle_closed()
-    assert sketch.state.is_closed
     sketch.remove(1)
     assert not sketch.state.is_closed
     assert sketch.has_line()

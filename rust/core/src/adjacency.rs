@@ -128,30 +128,36 @@ impl Adjacency {
 
     /// Parts of the mesh, where a part is what can be reached across crossable edges. Cost: O(triangles).
     pub fn count_parts(&self) -> usize {
+        self.label_parts().iter().max().map_or(0, |&last| last as usize + 1)
+    }
+
+    /// The part of every triangle, numbered from 0 by their first triangles. Cost: O(triangles).
+    pub fn label_parts(&self) -> Vec<u32> {
+        const UNSEEN: u32 = u32::MAX;
         let triangle_count = self.twins.len() / 3;
-        let mut is_seen = vec![false; triangle_count];
+        let mut labels = vec![UNSEEN; triangle_count];
         let mut open = Vec::new();
-        let mut parts = 0;
+        let mut part = 0;
         for first in 0..triangle_count {
-            if is_seen[first] {
+            if labels[first] != UNSEEN {
                 continue;
             }
-            parts += 1;
-            is_seen[first] = true;
+            labels[first] = part;
             open.push(first);
             while let Some(f) = open.pop() {
                 for h in TriangleId(f as u32).halfedges() {
                     if let Some(twin) = self.twin(h) {
                         let g = twin.triangle().index();
-                        if !is_seen[g] {
-                            is_seen[g] = true;
+                        if labels[g] == UNSEEN {
+                            labels[g] = part;
                             open.push(g);
                         }
                     }
                 }
             }
+            part += 1;
         }
-        parts
+        labels
     }
 }
 

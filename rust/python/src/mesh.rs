@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DVec3;
-use numpy::PyArray2;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
 use smooth_polylines_core::{Polyline, SurfaceMesh};
@@ -12,7 +12,7 @@ use smooth_polylines_core::{Polyline, SurfaceMesh};
 use crate::border::{Seconds, Watch, run_attached, run_detached, run_on_threads};
 use crate::closest_points::PyClosestPoints;
 use crate::errors::{from_core, type_error};
-use crate::frozen_arrays::{freeze_rows, point_rows};
+use crate::frozen_arrays::{freeze_rows, freeze_vector, point_rows};
 use crate::input_arrays::{read_positions, read_triangle_faces, read_triangles};
 use crate::mesh_report::PyMeshReport;
 use crate::polyline::PyPolyline;
@@ -188,6 +188,23 @@ impl PySurfaceMesh {
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<PyMeshReport> {
         Ok(run_attached(py, || self.mesh.report())?.into())
+    }
+
+    /// The part of each triangle, (F,) int32: numbered from 0 by their first triangles, one for each of `report.parts`.
+    ///
+    /// No line joins two parts. A fresh array at each call; cost: linear in the triangles, the interpreter released.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np, smooth_polylines as sp
+    /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    /// >>> two = sp.SurfaceMesh(np.concatenate([square, square + 5]), [[0, 1, 2], [4, 5, 6], [0, 2, 3]])
+    /// >>> two.triangle_parts()
+    /// array([0, 1, 0], dtype=int32)
+    fn triangle_parts(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
+        let labels = run_detached(py, || self.mesh.adjacency().label_parts())?;
+        let as_numpy = |label| i32::try_from(label).expect("the core refuses meshes of 2^31 triangles");
+        freeze_vector(py, labels.into_iter().map(as_numpy).collect())
     }
 
     /// Places of the vertices: a fresh, read-only (V, 3) float64 array at each access.

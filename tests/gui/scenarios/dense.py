@@ -15,7 +15,7 @@ PLACES = [(-0.5, -0.8, 0.5), (0.0, -0.7, 0.6), (0.5, -0.8, 0.5), (0.0, -0.8, 0.0
 
 def scenario():
     yield from until_redrawn()
-    operator = importlib.import_module("bl_ext.user_default.smooth_polylines.draw_tool.operator")
+    drawings = importlib.import_module("bl_ext.user_default.smooth_polylines.draw_tool.drawing")
     with in_view():
         bpy.ops.object.select_all(action="SELECT")
         bpy.ops.object.delete()
@@ -35,7 +35,7 @@ def scenario():
     tell(first_click_seconds=time.perf_counter() - start)
     for place in PLACES[1:]:
         yield from click(project(place))
-    drawing = operator._running[0]
+    drawing = drawings.running[0]
     before = len(drawing.update_milliseconds)
     middle = project(drawing.sketch.state.picks[1].place)
     yield from drag(middle, (middle[0] + 40, middle[1] - 40), steps=40)

@@ -34,10 +34,10 @@ def get_curves():
 
 def scenario():
     yield from until_redrawn()
-    operator = importlib.import_module("bl_ext.user_default.smooth_polylines.draw_tool.operator")
+    drawings = importlib.import_module("bl_ext.user_default.smooth_polylines.draw_tool.drawing")
 
     def get_drawing():
-        return operator._running[0]
+        return drawings.running[0]
 
     with in_view():
         bpy.ops.object.select_all(action="SELECT")
@@ -82,7 +82,7 @@ def scenario():
     yield from press("C")
     yield from press("T")
     yield from press("RET")
-    yield lambda: not operator._running
+    yield lambda: not drawings.running
     (curve,) = get_curves()
     tell(kept_filter=curve.data.smooth_polyline.filter, kept_points=len(curve.data.splines[0].points))
     yield from until_redrawn()
@@ -94,7 +94,7 @@ def scenario():
     tell(edited=len(get_drawing().sketch.state.picks))
     yield from press("T")
     yield from press("RET")
-    yield lambda: not operator._running
+    yield lambda: not drawings.running
     tell(edited_filter=get_curves()[0].data.smooth_polyline.filter, curves_after_edit=len(get_curves()))
     move(project((1.5, 0, -1)))
     yield from press("Z", ctrl=True)
@@ -108,10 +108,10 @@ def scenario():
         bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
     for place in PLACES[:2]:
         yield from click(project(place))
-    tell(drawing_again=len(operator._running))
+    tell(drawing_again=len(drawings.running))
     yield from press("ESC")
     yield 0.2
-    tell(after_esc=[len(operator._running), len(get_curves()), len(get_window().modal_operators)])
+    tell(after_esc=[len(drawings.running), len(get_curves()), len(get_window().modal_operators)])
 
     with in_view():
         bpy.ops.object.mode_set(mode="EDIT")
