@@ -1,4 +1,4 @@
-"""How a .blend file up to Blender 4.5 is laid out: its blocks, and the structs that it describes in its block DNA1.
+"""How a .blend file is laid out: its blocks, and the structs that it describes in its block DNA1.
 
 Reads only; knows what no struct is for.
 """
@@ -10,8 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-HEADER_SIZE = 12
-BLOCK_HEADER = struct.Struct("<4siQii")
+# The beginning of files up to Blender 4.5 and from 5.0 on, its length, and how a block's header is laid out there.
+OLD_BEGIN, NEW_BEGIN = b"BLENDER-v", b"BLENDER17-01v"
+OLD_HEADER, NEW_HEADER = struct.Struct("<4siQii"), struct.Struct("<4siQqq")
+OLD_SIZE, NEW_SIZE = 12, 17
 ADDRESS_IN_HEADER = 8
 
 
@@ -25,6 +27,7 @@ class Block:
 
     code: bytes
     start: int  # of its header
+    data_start: int
     size: int  # of its data
     address: int
     struct_index: int
@@ -33,20 +36,33 @@ class Block:
     @property
     def data(self) -> slice:
         """Where its data lie in the file."""
-        return slice(self.start + BLOCK_HEADER.size, self.start + BLOCK_HEADER.size + self.size)
+        return slice(self.data_start, self.data_start + self.size)
+
+
+def is_new(data: np.ndarray) -> bool:
+    """Whether the file is as Blender 5.0 and newer write it; UnknownLayoutError where it is neither that nor older."""
+    begin = data[:NEW_SIZE].tobytes()
+    if begin.startswith(NEW_BEGIN):
+        return True
+    if begin.startswith(OLD_BEGIN):
+        return False
+    raise UnknownLayoutError("the file is compressed, of a newer kind, or no .blend file")
 
 
 def list_blocks(data: np.ndarray) -> list[Block]:
     """All blocks up to the end mark."""
-    blocks, start, view = [], HEADER_SIZE, memoryview(data)
-    while start + BLOCK_HEADER.size <= len(data):
-        code, size, address, struct_index, count = BLOCK_HEADER.unpack_from(view, start)
-        if size < 0 or start + BLOCK_HEADER.size + size > len(data):
+    header, start = (NEW_HEADER, NEW_SIZE) if is_new(data) else (OLD_HEADER, OLD_SIZE)
+    blocks, view = [], memoryview(data)
+    while start + header.size <= len(data):
+        code, one, address, two, count = header.unpack_from(view, start)
+        size, struct_index = (two, one) if header is NEW_HEADER else (one, two)
+        data_start = start + header.size
+        if size < 0 or data_start + size > len(data):
             break
-        blocks.append(Block(code, start, size, address, struct_index, count))
+        blocks.append(Block(code, start, data_start, size, address, struct_index, count))
         if code == b"ENDB":
             return blocks
-        start += BLOCK_HEADER.size + size
+        start = data_start + size
     raise UnknownLayoutError("the blocks do not end where the file does")
 
 

@@ -2,8 +2,8 @@
 
 Blender up to 4.5 writes the addresses its data had in memory, and finds what belongs together by comparing them. Here
 every address is replaced by a number, counted in the order of first appearance: a one-to-one renaming, so the file
-means the same. What else is left over of a session goes: counters of data-blocks, bytes behind the end of texts and
-arrays, and in new meshes the second of their making. Newer formats number by themselves and are left alone.
+means the same. What else is left over of a session goes: counters of data-blocks, and bytes behind the end of texts and
+arrays. Blender 5.0 and newer do all that by themselves; what remains is what new meshes and nodes take from the clock.
 """
 
 from pathlib import Path
@@ -16,6 +16,7 @@ from .blend_layout import (
     StructLayouts,
     UnknownLayoutError,
     describe_structs,
+    is_new,
     list_blocks,
 )
 
@@ -27,33 +28,38 @@ TEXT_PROPERTY = 0  # IDP_STRING
 BYTE_LAYERS = (45, 50)
 
 
-def stabilise_blend(path: Path, *, is_imported: bool) -> bool:
-    """Rename the addresses in the file at `path`; False where there are none (newer formats number by themselves).
+def stabilise_blend(path: Path, *, is_imported: bool) -> None:
+    """Make the bytes of the file at `path` depend on its content alone.
 
-    is_imported : the meshes are new, and carry the second of their making as the seed of the face sets' colours: 0 then
+    is_imported : its data are new: what their making took from the clock goes too
 
     Raises UnknownLayoutError, and has changed nothing then.
     """
     data = np.fromfile(path, dtype=np.uint8)
-    if data[:9].tobytes() != b"BLENDER-v":
-        if data[:7].tobytes() == b"BLENDER":
-            return False
-        raise UnknownLayoutError("the file is compressed, or no .blend file")
     blocks = list_blocks(data)
     dna = next((block for block in blocks if block.code == b"DNA1"), None)
     if dna is None:
         raise UnknownLayoutError("the file does not describe its structs")
     layouts = describe_structs(data[dna.data].tobytes())
-    clear_padding(data, blocks, layouts)
-    rename_addresses(data, blocks, layouts)
-    sort_screen_edges(data, blocks, layouts)
-    for place in find_session_counters(blocks, layouts):
-        data[place : place + 4] = 0
+    if not is_new(data):
+        clear_padding(data, blocks, layouts)
+        rename_addresses(data, blocks, layouts)
+        sort_screen_edges(data, blocks, layouts)
+        for place in find_session_counters(blocks, layouts):
+            data[place : place + 4] = 0
     if is_imported:
-        for places in find_field(blocks, layouts, "Mesh", "face_sets_color_seed"):
-            data[places : places + 4] = 0
+        for place in find_field(blocks, layouts, "Mesh", "face_sets_color_seed"):
+            data[place : place + 4] = 0
+        number_nodes(data, blocks, layouts)
     data.tofile(path)
-    return True
+
+
+def number_nodes(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
+    """The nodes of materials get numbers in order instead of random ones, unless something refers to a node by its number."""
+    if any(layouts.name(block.struct_index) == "bNestedNodeRef" for block in blocks):
+        return
+    for number, place in enumerate(find_field(blocks, layouts, "bNode", "identifier"), start=1):
+        data[place : place + 4] = np.array([number], dtype="<i4").view(np.uint8)
 
 
 def rename_addresses(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
