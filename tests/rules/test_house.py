@@ -83,6 +83,12 @@ def test_addon_file_names_its_licence(name):
     assert read(name).startswith("# SPDX-License-Identifier: GPL-3.0-or-later\n")
 
 
+def test_no_packages_and_nothing_large():
+    found = [name for name in FILES if name.endswith((".whl", ".zip", ".gz", ".so", ".blend"))]
+    assert found == []
+    assert [name for name in FILES if (REPOSITORY / name).stat().st_size > 1_000_000] == []
+
+
 def test_nothing_of_one_machine_and_no_registry_host():
     found = [
         f"{name}:{number}: {line.strip()[:100]}"
