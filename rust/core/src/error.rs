@@ -149,6 +149,15 @@ pub enum Error {
         /// Rounds until then.
         iterations: u32,
     },
+    /// Lines cannot be put into the mesh.
+    #[error(
+        "the lines cross each other in triangle {triangle} in a way that rounding does not let be untangled; cut with a \
+         larger tolerance, or with fewer lines at once"
+    )]
+    Tangled {
+        /// Row of `triangles`.
+        triangle: usize,
+    },
     /// The observer asked to stop.
     #[error("stopped by the caller before the line was finished")]
     Interrupted,

@@ -10,10 +10,13 @@
 #![forbid(unsafe_code)]
 
 pub mod adjacency;
+pub mod band;
 pub mod chain;
 pub mod check;
 pub mod closest_point;
 pub mod cone;
+pub mod edge_path;
+pub mod embed;
 pub mod error;
 pub mod filter;
 pub mod ids;
@@ -25,6 +28,7 @@ pub mod mesh;
 pub mod morton;
 pub mod network;
 pub mod options;
+pub mod patches;
 pub mod polygons;
 pub mod polyline;
 pub mod ray_cast;

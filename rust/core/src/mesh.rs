@@ -121,6 +121,11 @@ impl SurfaceMesh {
         &self.triangles
     }
 
+    /// Triangles by polygon, where polygons were given.
+    pub fn polygons(&self) -> Option<&Polygons> {
+        self.polygons.as_ref()
+    }
+
     /// The polygon of every triangle, where it was given.
     pub fn triangle_faces(&self) -> Option<&[u32]> {
         self.polygons.as_ref().map(Polygons::faces)

@@ -38,6 +38,21 @@ impl Polygons {
         (first..end).map(|i| TriangleId(self.order.as_ref().map_or(i as u32, |order| order[i]))).collect()
     }
 
+    /// Calls `visit(face, triangles)` for every polygon with triangles, by rising face id. Cost: O(triangles).
+    pub fn for_each(&self, mut visit: impl FnMut(u32, &[u32])) {
+        let at = |i: usize| self.order.as_ref().map_or(i as u32, |order| order[i]);
+        let mut own = Vec::new();
+        for i in 0..self.faces.len() {
+            let t = at(i);
+            own.push(t);
+            let face = self.faces[t as usize];
+            if i + 1 == self.faces.len() || self.faces[at(i + 1) as usize] != face {
+                visit(face, &own);
+                own.clear();
+            }
+        }
+    }
+
     /// The polygon of each triangle.
     pub fn faces(&self) -> &[u32] {
         &self.faces

@@ -17,6 +17,7 @@ struct Exceptions {
     option: Py<PyType>,
     no_path: Py<PyType>,
     collapsed: Py<PyType>,
+    cut: Py<PyType>,
     internal: Py<PyType>,
 }
 
@@ -63,6 +64,7 @@ fn exceptions(py: Python<'_>) -> PyResult<&Exceptions> {
             &[&error],
         )?;
         let collapsed = define(py, "CollapsedError", "A closed line shrank to a point.", &[&error])?;
+        let cut = define(py, "CutError", "Lines could not be put into the mesh.", &[&error])?;
         let internal = define(py, "InternalError", "A defect of this package: please report it.", &[&error])?;
         Ok(Exceptions {
             error: error.unbind(),
@@ -70,6 +72,7 @@ fn exceptions(py: Python<'_>) -> PyResult<&Exceptions> {
             option: option.unbind(),
             no_path: no_path.unbind(),
             collapsed: collapsed.unbind(),
+            cut: cut.unbind(),
             internal: internal.unbind(),
         })
     })
@@ -79,7 +82,7 @@ fn exceptions(py: Python<'_>) -> PyResult<&Exceptions> {
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     let all = exceptions(py)?;
-    for class in [&all.error, &all.mesh, &all.option, &all.no_path, &all.collapsed, &all.internal] {
+    for class in [&all.error, &all.mesh, &all.option, &all.no_path, &all.collapsed, &all.cut, &all.internal] {
         let class = class.bind(py);
         module.add(class.name()?, class)?;
     }
@@ -101,6 +104,7 @@ pub fn from_core(py: Python<'_>, error: core::Error) -> PyErr {
         core::Error::Option(_) => raise(py, |all| &all.option, message),
         core::Error::NoPath { .. } => raise(py, |all| &all.no_path, message),
         core::Error::Collapsed { .. } => raise(py, |all| &all.collapsed, message),
+        core::Error::Tangled { .. } => raise(py, |all| &all.cut, message),
         core::Error::Interrupted => PyKeyboardInterrupt::new_err(message),
     }
 }

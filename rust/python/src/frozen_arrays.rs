@@ -20,6 +20,19 @@ pub fn freeze_rows<T: Element + Clone>(py: Python<'_>, rows: &[[T; 3]]) -> PyRes
     Ok(array.unbind())
 }
 
+/// A read-only array of rows, without a copy.
+pub fn freeze_owned<T: Element, const N: usize>(py: Python<'_>, rows: Vec<[T; N]>) -> PyResult<Py<PyArray2<T>>> {
+    let shape = (rows.len(), N);
+    let array = Array2::from_shape_vec(shape, rows.into_flattened()).expect("n rows of N values").into_pyarray(py);
+    array.try_readwrite()?.make_nonwriteable();
+    Ok(array.unbind())
+}
+
+/// Vertex, triangle or face ids as Blender stores them. They must be below 2^31.
+pub fn id_rows<const N: usize>(ids: Vec<[u32; N]>) -> Vec<[i32; N]> {
+    ids.into_iter().map(|row| row.map(|id| id as i32)).collect()
+}
+
 /// A fresh `(n, 3)` array that is the caller's own.
 pub fn rows_to_array<'py, T: Element + Clone>(py: Python<'py>, rows: &[[T; 3]]) -> Bound<'py, PyArray2<T>> {
     Array2::from_shape_vec((rows.len(), 3), rows.as_flattened().to_vec())

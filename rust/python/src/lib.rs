@@ -8,6 +8,10 @@ use pyo3::prelude::*;
 mod border;
 mod choices;
 mod closest_points;
+mod crossings;
+mod cut;
+mod cut_calls;
+mod edge_path;
 mod errors;
 mod frozen_arrays;
 mod input_arrays;
@@ -31,6 +35,12 @@ mod _native {
 
     #[pymodule_export]
     use crate::closest_points::PyClosestPoints;
+    #[pymodule_export]
+    use crate::crossings::{PyCrossings, find_crossings};
+    #[pymodule_export]
+    use crate::cut::PyCut;
+    #[pymodule_export]
+    use crate::edge_path::PyEdgePath;
     #[pymodule_export]
     use crate::mesh::PySurfaceMesh;
     #[pymodule_export]

@@ -50,6 +50,16 @@ impl PyPolyline {
             strip_bits: PyOnceLock::new(),
         })
     }
+
+    /// The mesh that the line was made on.
+    pub fn mesh(&self) -> &Arc<SurfaceMesh> {
+        &self.mesh
+    }
+
+    /// The line itself.
+    pub fn line(&self) -> &Polyline {
+        &self.line
+    }
 }
 
 #[pymethods]

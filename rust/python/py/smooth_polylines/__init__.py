@@ -15,6 +15,10 @@ S. Hahmann, Smooth Polylines on Polygon Meshes (2003).
 from ._native import (
     ClosestPoints,
     CollapsedError,
+    Crossings,
+    Cut,
+    CutError,
+    EdgePath,
     Error,
     InternalError,
     MeshError,
@@ -28,11 +32,16 @@ from ._native import (
     SurfaceMesh,
     SurfacePoint,
     __version__,
+    find_crossings,
 )
 
 __all__ = [
     "ClosestPoints",
     "CollapsedError",
+    "Crossings",
+    "Cut",
+    "CutError",
+    "EdgePath",
     "Error",
     "InternalError",
     "MeshError",
@@ -46,4 +55,5 @@ __all__ = [
     "SurfaceMesh",
     "SurfacePoint",
     "__version__",
+    "find_crossings",
 ]
