@@ -5,7 +5,8 @@ of its own and talks to it, so that a crash in Blender does not take the Dask wo
 a whole node dies, Dask gives its files to others. Knows neither reports nor resuming.
 """
 
-import sys
+import builtins
+import types
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ CONNECT_SECONDS = 30
 
 def run_item_on_node(scripts: str, setup: dict[str, Any], item_values: dict[str, Any]) -> dict[str, Any]:
     """What Dask calls on a node: finds these scripts there, and has one file done."""
+    import sys  # the function travels alone: it has nothing of this module there
+
     if scripts not in sys.path:
         sys.path.insert(0, scripts)
     from batching import outcome, plan
@@ -40,7 +43,7 @@ class Cluster:
             ) from error
         self._distributed = distributed
         try:
-            self._client = distributed.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            self._client = distributed.Client(address, timeout=CONNECT_SECONDS)
         except (OSError, ValueError, TimeoutError) as error:
             raise JobError(f"--scheduler {address}: no Dask scheduler answers there ({error})") from error
         self._setup = {**job.setup, "blender": blender}
@@ -55,17 +58,11 @@ class Cluster:
 
     def run(self, items: list[Item]) -> Iterator[tuple[Item, dict[str, Any]]]:
         """Each item with its outcome, in the order in which they are done."""
-        import cloudpickle
-
-        # The function travels as text of its own: the nodes need not be able to import it.
-        cloudpickle.register_pickle_by_value(sys.modules[__name__])
-        try:
-            futures = {
-                self._client.submit(run_item_on_node, SCRIPTS, self._setup, vars(item), pure=False): item
-                for item in items
-            }
-        finally:
-            cloudpickle.unregister_pickle_by_value(sys.modules[__name__])
+        # As a function of no module that could be imported it travels whole: neither the nodes nor the scheduler need
+        # to find these scripts before it runs.
+        work = types.FunctionType(run_item_on_node.__code__, {"__builtins__": builtins}, run_item_on_node.__name__)
+        work.__module__ = "__main__"
+        futures = {self._client.submit(work, SCRIPTS, self._setup, vars(item), pure=False): item for item in items}
         for future in self._distributed.as_completed(list(futures)):
             item = futures.pop(future)
             try:

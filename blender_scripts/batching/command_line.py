@@ -97,8 +97,8 @@ def run_with_lock(
     options: argparse.Namespace, job: job_file.Job, shard: plan.Shard, items: list[plan.Item], blender: str | None
 ) -> int:
     """Run while nobody else writes the same results."""
-    with run_lock.hold_run_lock(job.output, shard) as is_alone:
-        if is_alone:
+    with run_lock.hold_run_lock(job.output, shard):
+        if run_lock.is_alone(job.output, shard):
             store.remove_parts(job.output)
         state = run.find_state(job, items, retry=options.retry)
         if not state.to_do:
@@ -119,6 +119,9 @@ def run_with_lock(
             reason = run.run_items(job, state, workforce, shard, progress)
         finally:
             workforce.stop()
+            # Of workers that died where nobody could clean up behind them.
+            if run_lock.is_alone(job.output, shard):
+                store.remove_parts(job.output)
         return finish(options, job, shard, state, reason)
 
 

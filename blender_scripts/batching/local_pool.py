@@ -76,4 +76,4 @@ class LocalPool:
         """End all workers at once; what they were at is not lost, but done again by the next run."""
         self._is_stopped.set()
         for worker in self._workers:
-            worker.kill()
+            worker.stop()

@@ -30,35 +30,48 @@ else:
 
 
 @contextlib.contextmanager
-def hold_run_lock(output: Path, shard: Shard) -> Iterator[bool]:
-    """Hold the folder for this shard; yields whether no other run is at work in it. JobError where one overlaps."""
+def hold_run_lock(output: Path, shard: Shard) -> Iterator[None]:
+    """Hold the folder for this shard; JobError where another run works on the same files."""
     folder = output / STATE_FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     with _wait_for(folder / "starting.lock"):
-        is_alone = True
-        for path in sorted(folder.glob("run-*-of-*.lock")):
-            number, _, count = path.stem.removeprefix("run-").partition("-of-")
-            other = Shard(int(number), int(count))
-            held_by = find_holder(path)
-            if held_by is None:
-                continue
-            is_alone = False
-            if other == shard or not shard.is_apart_from(other):
+        for other, holder in list_runs(output):
+            if not shard.is_apart_from(other):
                 raise JobError(
-                    f"another run ({held_by}) is writing into {output}; wait for it, stop it, or choose another folder"
+                    f"another run ({holder}) is writing into {output}; wait for it, stop it, or choose another folder"
                 )
-        own = open(folder / f"run-{shard.number}-of-{shard.count}.lock", "a+b")
-        with contextlib.suppress(
-            OSError
-        ):  # a file system without locks: the last to come wins, each result is still whole
+        own = open(folder / name_lock(shard), "a+b")
+        # On a file system without locks the last to come wins; each result is whole all the same.
+        with contextlib.suppress(OSError):
             _lock(own)
         own.truncate(0)
         own.write(json.dumps({"host": socket.gethostname(), "process": os.getpid()}).encode())
         own.flush()
     try:
-        yield is_alone
+        yield
     finally:
         own.close()
+
+
+def name_lock(shard: Shard) -> str:
+    """File name of a shard's lock."""
+    return f"run-{shard.number}-of-{shard.count}.lock"
+
+
+def list_runs(output: Path) -> list[tuple[Shard, str]]:
+    """The runs that are at work in the folder, each with who it is."""
+    runs = []
+    for path in sorted((output / STATE_FOLDER).glob("run-*-of-*.lock")):
+        number, _, count = path.stem.removeprefix("run-").partition("-of-")
+        holder = find_holder(path)
+        if holder is not None:
+            runs.append((Shard(int(number), int(count)), holder))
+    return runs
+
+
+def is_alone(output: Path, shard: Shard) -> bool:
+    """Whether no other run is at work beside the one that holds this shard."""
+    return all(other == shard for other, _ in list_runs(output))
 
 
 def find_holder(path: Path) -> str | None:

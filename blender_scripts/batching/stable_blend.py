@@ -2,7 +2,7 @@
 
 Blender up to 4.5 writes the addresses its data had in memory, and finds what belongs together by comparing them. Here
 every address is replaced by a number, counted in the order of first appearance: a one-to-one renaming, so the file
-means the same. What else is left over of a session goes: counters of data-blocks, and bytes behind the end of texts and
+means the same. What else is left over of a session goes: states of data-blocks, and bytes behind the end of texts and
 arrays. Blender 5.0 and newer do all that by themselves; what remains is what new meshes and nodes take from the clock.
 """
 
@@ -43,10 +43,9 @@ def stabilise_blend(path: Path, *, is_imported: bool) -> None:
     layouts = describe_structs(data[dna.data].tobytes())
     if not is_new(data):
         clear_padding(data, blocks, layouts)
+        clear_session(data, blocks, layouts)
         rename_addresses(data, blocks, layouts)
         sort_screen_edges(data, blocks, layouts)
-        for place in find_session_counters(blocks, layouts):
-            data[place : place + 4] = 0
     if is_imported:
         for place in find_field(blocks, layouts, "Mesh", "face_sets_color_seed"):
             data[place : place + 4] = 0
@@ -55,7 +54,7 @@ def stabilise_blend(path: Path, *, is_imported: bool) -> None:
 
 
 def number_nodes(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
-    """The nodes of materials get numbers in order instead of random ones, unless something refers to a node by its number."""
+    """Nodes of materials get numbers in order instead of random ones, unless something refers to a node by number."""
     if any(layouts.name(block.struct_index) == "bNestedNodeRef" for block in blocks):
         return
     for number, place in enumerate(find_field(blocks, layouts, "bNode", "identifier"), start=1):
@@ -145,17 +144,26 @@ def sort_screen_edges(data: np.ndarray, blocks: list[Block], layouts: StructLayo
             data[first : first + 8], data[second : second + 8] = ends[1], ends[0]
 
 
-def find_session_counters(blocks: list[Block], layouts: StructLayouts) -> list[int]:
-    """Where data-blocks keep the number that they had in the session; it is given anew on reading."""
-    places = []
+def clear_session(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
+    """What data-blocks and the window manager keep of the session and Blender sets anew on reading."""
+    inner = layouts.find("ID")
+    counter = layouts.offset(inner, "session_uid" if layouts.has(inner, "session_uid") else "session_uuid")
+    cleared = [(counter, 4)]
+    if layouts.has(inner, "runtime"):
+        cleared.append((layouts.offset(inner, "runtime"), layouts.size(layouts.find("ID_Runtime"))))
     for block in blocks:
-        if block.code == b"DNA1" or not layouts.is_data_block(block.struct_index):
-            continue
-        inner = layouts.find("ID")
-        size = layouts.size(block.struct_index)
-        offset = layouts.offset(inner, "session_uid" if layouts.has(inner, "session_uid") else "session_uuid")
-        places += [block.data.start + size * k + offset for k in range(block.count)]
-    return places
+        if block.code != b"DNA1" and layouts.is_data_block(block.struct_index):
+            for offset, size in cleared:
+                data[block.data.start + offset : block.data.start + offset + size] = 0
+    for place in find_field(blocks, layouts, "wmWindowManager", "outliner_sync_select_dirty"):
+        data[place : place + 2] = 0
+    # Timers, operators and the like, which are not in the file.
+    own = np.unique([block.address for block in blocks]).astype("<u8")
+    for block in blocks:
+        if layouts.name(block.struct_index) == "wmWindowManager":
+            places = block.data.start + np.array(layouts.pointers(block.struct_index)[0], dtype=np.int64)
+            for place in places[~is_among(read_addresses(data, places), own)].tolist():
+                data[place : place + 8] = 0
 
 
 def clear_padding(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:

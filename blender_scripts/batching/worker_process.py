@@ -54,13 +54,15 @@ class WorkerProcess:
         self._log_path = log
         self._process: subprocess.Popen[bytes] | None = None
         self._answers: queue.Queue[dict[str, Any] | None] = queue.Queue()
-        self._is_closed = False
+        self._is_stopped = False
         self.files = 0
         self.token = ""  # of the process: another after each start
         self.hello: dict[str, Any] = {}
 
     def start(self) -> None:
         """Start the process and wait until Blender is ready; WorkerStartError otherwise."""
+        if self._is_stopped:
+            raise WorkerStartError("the run has been stopped")
         if self._process is not None:
             return
         self._log_path.parent.mkdir(parents=True, exist_ok=True)
@@ -80,6 +82,9 @@ class WorkerProcess:
                 )
             except OSError as error:
                 raise WorkerStartError(f"{self._command[0]} cannot be started: {error.strerror}") from error
+        if self._is_stopped:  # in the meantime, by another thread
+            self.kill()
+            raise WorkerStartError("the run has been stopped")
         self._answers = queue.Queue()
         self.files = 0
         threading.Thread(target=self._read, args=(self._process, self._answers), daemon=True).start()
@@ -115,6 +120,11 @@ class WorkerProcess:
                 self._process.stdin.close()
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(10)
+        self.kill()
+
+    def stop(self) -> None:
+        """End the process at once and for good."""
+        self._is_stopped = True
         self.kill()
 
     def kill(self) -> None:
