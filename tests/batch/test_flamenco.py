@@ -60,7 +60,7 @@ def compile_job(**settings):
 
 @pytest.fixture(scope="module")
 def told():
-    return compile_job(job_file="/farm/job.json", batch_script="/farm/batch.py", shards=3)
+    return compile_job(job_file="/srv/studio/job.json", batch_script="/srv/studio/batch.py", shards=3)
 
 
 def test_settings_are_of_the_kinds_that_the_manager_knows(told):
@@ -92,7 +92,7 @@ def test_a_task_for_each_shard_and_then_the_report(told):
         assert command["name"] == "exec"
         assert command["parameters"]["exe"] == "{blender}"
         assert command["parameters"]["args"] == [
-            *("--background", "--python-exit-code", "3", "--python", "/farm/batch.py", "--", "/farm/job.json"),
+            *("--background", "--python-exit-code", "3", "--python", "/srv/studio/batch.py", "--", "/srv/studio/job.json"),
             *("--shard", f"{number}/3", "--jobs", "1", "--failures-ok"),
         ]
 
@@ -103,7 +103,7 @@ def test_the_commands_are_ones_that_batch_takes(told):
     for task in told["tasks"]:
         arguments = task["commands"][0]["parameters"]["args"]
         options = command_line.parse(arguments[arguments.index("--") + 1 :])
-        assert str(options.job) == "/farm/job.json"
+        assert str(options.job) == "/srv/studio/job.json"
         assert options.failures_ok
 
 
