@@ -5,6 +5,7 @@ import bpy
 
 from .operators.add_polyline import MESH_OT_smooth_polyline_add
 from .operators.copy_marks import MESH_OT_smooth_polyline_copy_marks, MESH_OT_smooth_polyline_mirror_marks
+from .operators.put_lines import MESH_OT_smooth_polyline_seam
 
 
 def draw_face_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
@@ -23,7 +24,14 @@ def draw_context_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 def draw_edge_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     """Edit Mode > Edge."""
     menu.layout.separator()
+    menu.layout.operator(MESH_OT_smooth_polyline_seam.bl_idname)
     menu.layout.operator(MESH_OT_smooth_polyline_mirror_marks.bl_idname)
+
+
+def draw_object_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """Object Mode > Object."""
+    menu.layout.separator()
+    menu.layout.operator(MESH_OT_smooth_polyline_seam.bl_idname)
 
 
 def draw_link_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
@@ -35,6 +43,7 @@ def draw_link_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
 ENTRIES = (
     ("VIEW3D_MT_edit_mesh_faces", draw_face_menu),
     ("VIEW3D_MT_edit_mesh_edges", draw_edge_menu),
+    ("VIEW3D_MT_object", draw_object_menu),
     ("VIEW3D_MT_make_links", draw_link_menu),
     ("VIEW3D_MT_edit_mesh_context_menu", draw_context_menu),
 )

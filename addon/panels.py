@@ -12,6 +12,7 @@ from . import line_data, settings
 from .draw_tool.operator import VIEW3D_OT_smooth_polyline_draw
 from .live import memory
 from .operators.change_line import CURVE_OT_smooth_polyline_update, OBJECT_OT_smooth_polyline_change_output
+from .seams.panel import VIEW3D_PT_smooth_polyline_seams
 
 # Letters in a row of a narrow panel.
 MESSAGE_WIDTH = 38
@@ -74,4 +75,4 @@ class VIEW3D_PT_smooth_polyline(CurvePanel, bpy.types.Panel):
     bl_category = "Smooth Polyline"
 
 
-CLASSES = (DATA_PT_smooth_polyline, VIEW3D_PT_smooth_polyline)
+CLASSES = (DATA_PT_smooth_polyline, VIEW3D_PT_smooth_polyline, VIEW3D_PT_smooth_polyline_seams)

@@ -6,6 +6,7 @@ numbers, faces too, and of a face that is cut the first piece has the face's num
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,16 @@ import bmesh
 from bmesh.types import BMEdge, BMesh, BMFace, BMLoop, BMVert
 
 
-def apply_cut(edited: BMesh, cut: Any, local_positions: np.ndarray, triangles: np.ndarray) -> list[BMEdge]:
-    """Cut `edited` and return the edges of the lines, in the order of `cut.line_edges`.
+@dataclass(frozen=True)
+class Applied:
+    """What a cut has become in the BMesh."""
+
+    line_edges: list[BMEdge]  # as `cut.line_edges`
+    pieces: dict[int, BMFace]  # of the faces that fell into pieces, by the row of `cut.polygon_parents`
+
+
+def apply_cut(edited: BMesh, cut: Any, local_positions: np.ndarray, triangles: np.ndarray) -> Applied:
+    """Cut `edited`.
 
     edited : the mesh that the cut was made of, vertices and faces in the same order
     cut : a `smooth_polylines.Cut`
@@ -28,7 +37,7 @@ def apply_cut(edited: BMesh, cut: Any, local_positions: np.ndarray, triangles: n
     new_vertices: list[BMVert | None] = [None] * len(cut.vertex_triangles)
     pieces = collect_pieces(cut)
     faces = {parent: edited.faces[parent] for parent in pieces}
-    needed = {int(v) for polygons in pieces.values() for polygon in polygons for v in polygon if v < old_count}
+    needed = {v for polygons in pieces.values() for corners in polygons.values() for v in corners if v < old_count}
     needed |= {int(v) for v in np.asarray(cut.line_edges).ravel() if v < old_count}
     needed |= {int(v) for v in np.asarray(cut.vertex_edges).ravel() if v >= 0}
     is_inside = np.asarray(cut.vertex_edges)[:, 0] < 0
@@ -46,38 +55,43 @@ def apply_cut(edited: BMesh, cut: Any, local_positions: np.ndarray, triangles: n
     def get_vertex(number: int) -> BMVert:
         return old_vertices[number] if number < old_count else new_vertices[number - old_count]
 
+    made: dict[int, BMFace] = {}
     for parent, polygons in pieces.items():
-        replace_face(edited, faces[parent], [[get_vertex(int(v)) for v in polygon] for polygon in polygons])
-    return [edited.edges.get((get_vertex(int(a)), get_vertex(int(b)))) for a, b in np.asarray(cut.line_edges)]
+        corners = [[get_vertex(v) for v in polygon] for polygon in polygons.values()]
+        made |= zip(polygons, replace_face(edited, faces[parent], corners), strict=True)
+    line_edges = np.asarray(cut.line_edges).tolist()
+    return Applied([edited.edges.get((get_vertex(a), get_vertex(b))) for a, b in line_edges], made)
 
 
-def collect_pieces(cut: Any) -> dict[int, list[np.ndarray]]:
-    """The vertices of every piece of each face that falls into more than one, by the face.
+def collect_pieces(cut: Any) -> dict[int, dict[int, list[int]]]:
+    """The vertices of every piece of each face that falls into more than one, by the face and the polygon's row.
 
     A face that only got a vertex into an edge has been given it when the edge was split.
     """
-    parents = np.asarray(cut.polygon_parents)
-    offsets = np.asarray(cut.polygon_offsets)
-    is_cut = np.bincount(parents, minlength=1)[parents] > 1
-    pieces: dict[int, list[np.ndarray]] = {}
-    for polygon in np.flatnonzero(is_cut):
-        corners = np.asarray(cut.polygon_corners[offsets[polygon] : offsets[polygon + 1]])
-        pieces.setdefault(int(parents[polygon]), []).append(corners)
-    return pieces
+    offsets, parents, all_corners = cut.polygon_offsets, cut.polygon_parents, cut.polygon_corners
+    pieces: dict[int, dict[int, list[int]]] = {}
+    for polygon in np.asarray(cut.changed_polygons).tolist():
+        corners = all_corners[offsets[polygon] : offsets[polygon + 1]]
+        pieces.setdefault(int(parents[polygon]), {})[polygon] = corners.tolist()
+    return {parent: polygons for parent, polygons in pieces.items() if len(polygons) > 1}
 
 
 def add_vertex(edited: BMesh, corners: Sequence[BMVert], weights: np.ndarray, place: np.ndarray) -> BMVert:
     """A new vertex inside a triangle, with what its three corners carry, weighed."""
     vertex = edited.verts.new(place, corners[int(np.argmax(weights))])
+    weigh_vertex(vertex, corners, weights)
+    vertex.select = False
+    return vertex
+
+
+def weigh_vertex(vertex: BMVert, corners: Sequence[BMVert], weights: np.ndarray) -> None:
+    """Give a vertex what three others carry, weighed; its place and its flags stay."""
     # Blender interpolates between two at a time; the heaviest come first, so that no sum is 0.
-    first, second, third = np.argsort(-weights, kind="stable")
+    first, second, third = np.argsort(-np.asarray(weights), kind="stable")
     pair = weights[first] + weights[second]
     vertex.copy_from_vert_interp((corners[first], corners[second]), float(weights[second] / pair))
     if weights[third] > 0.0:
         vertex.copy_from_vert_interp((vertex, corners[third]), float(weights[third]))
-    vertex.co = place
-    vertex.select = False
-    return vertex
 
 
 def split_edges(edited: BMesh, cut: Any, old_vertices: dict[int, BMVert], new_vertices: list[BMVert | None]) -> None:
@@ -106,13 +120,14 @@ def split_edges(edited: BMesh, cut: Any, old_vertices: dict[int, BMVert], new_ve
         passed = parameters[row]
 
 
-def replace_face(edited: BMesh, face: BMFace, polygons: Sequence[Sequence[BMVert]]) -> None:
+def replace_face(edited: BMesh, face: BMFace, polygons: Sequence[Sequence[BMVert]]) -> list[BMFace]:
     """Put the pieces in the place of `face`: corners that it had with all they carry, others weighed within it."""
     is_selected = face.select
     # A copy to read from, so that the first piece gets the number that the face leaves free.
     model = face.copy(verts=False, edges=False)
     corner_of = {corner.vert: corner for corner in model.loops}
     edited.faces.remove(face)
+    pieces = []
     for polygon in polygons:
         piece = edited.faces.new(polygon, model)
         for corner in piece.loops:
@@ -124,7 +139,9 @@ def replace_face(edited: BMesh, face: BMFace, polygons: Sequence[Sequence[BMVert
         piece.normal_update()
         if is_selected:
             piece.select_set(True)
+        pieces.append(piece)
     edited.faces.remove(model)
+    return pieces
 
 
 def weigh_corner(corner: BMLoop, face: BMFace) -> None:

@@ -76,6 +76,7 @@ def make_cut(mesh):
         polygon_corners=np.array([v for polygon in polygons for v in polygon]),
         polygon_offsets=np.cumsum([0, *map(len, polygons)]),
         polygon_parents=np.array(parents),
+        changed_polygons=np.flatnonzero(np.bincount(parents)[parents] > 1),
         line_edges=np.array(list(itertools.pairwise(chain))),
         triangles=triangles,
     )
@@ -102,7 +103,7 @@ def done(scene):
     positions = before.values["positions"][1].astype(np.float64)
     before.colours = (grid.data.attributes.active_color_name, grid.data.attributes.default_color_name)
     with edit.open_bmesh(grid) as edited:
-        line = apply_cut.apply_cut(edited, before.cut, positions, before.cut.triangles)
+        line = apply_cut.apply_cut(edited, before.cut, positions, before.cut.triangles).line_edges
         before.line_edges = [edge is not None and edge.is_valid for edge in line]
     return SimpleNamespace(
         before=before,

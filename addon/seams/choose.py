@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which mesh and which lines an artist means by what is selected. Reads only."""
+
+import bpy
+
+from ..errors import ObjectError
+from . import strokes
+
+HOW_TO_SELECT = "Select the curves and, last, the mesh; or pick faces in Edit Mode, one after another"
+
+
+def find_mesh_object(context: bpy.types.Context) -> bpy.types.Object:
+    """The mesh that is edited or active, else the one that the selected curves lie on; ObjectError when none is."""
+    active = context.object
+    if active is not None and active.type == "MESH":
+        return active
+    selected = list(context.selected_objects)
+    meshes = [o for o in selected if o.type == "MESH"]
+    if not meshes:
+        lines = find_line_objects(context)
+        remembered = [
+            o.data.smooth_polyline.surface for o in lines if o.type == "CURVE" and o.data.smooth_polyline.stored
+        ]
+        parents = [o.parent for o in lines if o.parent is not None and o.parent.type == "MESH"]
+        meshes = [o for o in dict.fromkeys(remembered or parents) if o is not None]
+    if len(meshes) == 1:
+        return meshes[0]
+    if meshes:
+        raise ObjectError(
+            f"{len(meshes)} meshes could be meant ({', '.join(o.name for o in meshes)}); make one the active object"
+        )
+    raise ObjectError(f"No mesh is selected. {HOW_TO_SELECT}")
+
+
+def find_line_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Selected curve and grease pencil objects, by name: a selection has no order."""
+    selected = [o for o in context.view_layer.objects if o.select_get() and o.type in strokes.LINE_TYPES]
+    return sorted(selected, key=lambda o: o.name)
+
+
+def is_possible(context: bpy.types.Context) -> bool:
+    """Whether there can be a mesh and a line: cheap, for polls."""
+    active = context.object
+    if active is None:
+        return False
+    if active.type == "MESH":
+        return active.mode in {"EDIT", "OBJECT"}
+    return active.type in strokes.LINE_TYPES and context.mode == "OBJECT"

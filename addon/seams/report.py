@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is told after lines have been put into a mesh: one sentence, and the islands row by row. Knows no Blender."""
+
+from typing import Any
+
+# Rows in a panel.
+MOST_ISLANDS = 12
+
+
+def describe(done: Any) -> tuple[str, bool]:
+    """One sentence about a `put.PutLines`, and whether it is a warning."""
+    parts, is_warning = [], False
+    count = len(done.lines)
+    parts.append(f"{count} {'line' if count == 1 else 'lines'}, {len(done.edges)} edges")
+    if done.method == "CUT":
+        parts.append(f"{done.new_vertices} new vertices, {done.new_faces} new faces")
+        if done.crossings:
+            parts.append(f"{done.crossings} crossings of lines are vertices now")
+    elif done.method == "SNAP":
+        parts.append(f"at most {done.distance:.4g} from the line")
+    else:
+        parts.append(f"{len(done.moved)} vertices moved")
+        if done.not_moved:
+            is_warning = True
+            parts.append(f"{len(done.not_moved)} stay where they were, since a face would have turned over")
+    if done.islands is not None:
+        parts.append(describe_islands(done.islands))
+    if done.sharing:
+        is_warning = True
+        parts.append(f"the mesh has changed for {', '.join(done.sharing)} too")
+    return "; ".join(parts), is_warning
+
+
+def describe_islands(islands: Any) -> str:
+    """How many islands, and how far the worst of them is stretched on average."""
+    found = islands.islands
+    worst_angle = max((i.angle_stretch for i in found), default=1.0)
+    worst_area = max((i.area_stretch for i in found), default=1.0)
+    count = f"{len(found)} {'island' if len(found) == 1 else 'islands'}"
+    return f"{count}, stretch of angles up to {worst_angle:.3f}, of areas up to {worst_area:.3f}"
+
+
+def list_islands(islands: Any) -> list[str]:
+    """A row an island, the largest first."""
+    if islands is None:
+        return []
+    rows = [
+        f"Island {number}: {i.faces} faces, angles {i.angle_stretch:.3f}, areas {i.area_stretch:.3f}"
+        + (f", {i.flipped} flipped" if i.flipped else "")
+        for number, i in enumerate(islands.islands[:MOST_ISLANDS], start=1)
+    ]
+    left = len(islands.islands) - MOST_ISLANDS
+    return [*rows, f"... and {left} smaller ones"] if left > 0 else rows
