@@ -5,6 +5,8 @@ from typing import Any
 
 # Rows in a panel.
 MOST_ISLANDS = 12
+# Larger stretch says no more.
+MOST_STRETCH = 1000.0
 
 
 def describe(done: Any) -> tuple[str, bool]:
@@ -37,7 +39,12 @@ def describe_islands(islands: Any) -> str:
     worst_angle = max((i.angle_stretch for i in found), default=1.0)
     worst_area = max((i.area_stretch for i in found), default=1.0)
     count = f"{len(found)} {'island' if len(found) == 1 else 'islands'}"
-    return f"{count}, stretch of angles up to {worst_angle:.3f}, of areas up to {worst_area:.3f}"
+    return f"{count}, stretch of angles up to {tell(worst_angle)}, of areas up to {tell(worst_area)}"
+
+
+def tell(stretch: float) -> str:
+    """A stretch as it is shown: where parts of an island have no area in the map it has no end."""
+    return f"{stretch:.3f}" if stretch < MOST_STRETCH else f"over {MOST_STRETCH:.0f}"
 
 
 def list_islands(islands: Any) -> list[str]:
@@ -45,7 +52,7 @@ def list_islands(islands: Any) -> list[str]:
     if islands is None:
         return []
     rows = [
-        f"Island {number}: {i.faces} faces, angles {i.angle_stretch:.3f}, areas {i.area_stretch:.3f}"
+        f"Island {number}: {i.faces} faces, angles {tell(i.angle_stretch)}, areas {tell(i.area_stretch)}"
         + (f", {i.flipped} flipped" if i.flipped else "")
         for number, i in enumerate(islands.islands[:MOST_ISLANDS], start=1)
     ]

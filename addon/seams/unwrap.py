@@ -14,7 +14,7 @@ from .. import mesh_read
 from ..errors import ObjectError
 
 # Triangles flatter than this (twice their area over the square of a side) have no shape left in 32 bits: not measured.
-SMALLEST_SHAPE = 1e-4
+SMALLEST_SHAPE = 1e-3
 
 # Face attributes that the measures are written to, to be looked at.
 ANGLE_ATTRIBUTE = "uv_angle_stretch"
