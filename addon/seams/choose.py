@@ -4,23 +4,21 @@
 import bpy
 
 from ..errors import ObjectError
+from ..live import memory
 from . import strokes
 
 HOW_TO_SELECT = "Select the curves and, last, the mesh; or pick faces in Edit Mode, one after another"
 
 
 def find_mesh_object(context: bpy.types.Context) -> bpy.types.Object:
-    """The mesh that is edited or active, else the one that the selected curves lie on; ObjectError when none is."""
+    """The mesh that is edited or active, else the one that the selected lines lie on; ObjectError when none is."""
     active = context.object
-    if active is not None and active.type == "MESH":
+    if active is not None and active.type == "MESH" and not strokes.is_line(active):
         return active
-    selected = list(context.selected_objects)
-    meshes = [o for o in selected if o.type == "MESH"]
+    meshes = [o for o in context.selected_objects if o.type == "MESH" and not strokes.is_line(o)]
     if not meshes:
         lines = find_line_objects(context)
-        remembered = [
-            o.data.smooth_polyline.surface for o in lines if o.type == "CURVE" and o.data.smooth_polyline.stored
-        ]
+        remembered = [known.surface for known in map(memory.find_memory, lines) if known is not None]
         parents = [o.parent for o in lines if o.parent is not None and o.parent.type == "MESH"]
         meshes = [o for o in dict.fromkeys(remembered or parents) if o is not None]
     if len(meshes) == 1:
@@ -33,9 +31,10 @@ def find_mesh_object(context: bpy.types.Context) -> bpy.types.Object:
 
 
 def find_line_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """Selected curve and grease pencil objects, by name: a selection has no order."""
-    selected = [o for o in context.view_layer.objects if o.select_get() and o.type in strokes.LINE_TYPES]
-    return sorted(selected, key=lambda o: o.name)
+    """Selected curves, grease pencil and meshes of edges alone, by name: a selection has no order."""
+    return sorted(
+        (o for o in context.view_layer.objects if o.select_get() and strokes.is_line(o)), key=lambda o: o.name
+    )
 
 
 def is_possible(context: bpy.types.Context) -> bool:
@@ -45,4 +44,4 @@ def is_possible(context: bpy.types.Context) -> bool:
         return False
     if active.type == "MESH":
         return active.mode in {"EDIT", "OBJECT"}
-    return active.type in strokes.LINE_TYPES and context.mode == "OBJECT"
+    return strokes.is_line(active) and context.mode == "OBJECT"

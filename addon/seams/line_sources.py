@@ -13,6 +13,7 @@ import bpy
 
 from .. import mesh_read, session, surface
 from ..errors import ObjectError
+from ..live import memory
 from . import strokes
 
 # Drawn lines further from the surface than this part of the mesh's bounding-box diagonal were meant for another one.
@@ -79,11 +80,9 @@ def take_over(line: Any, opened: surface.Surface) -> Any:
 
 
 def is_remembered_on(source: bpy.types.Object, mesh_object: bpy.types.Object) -> bool:
-    """Whether `source` is a curve that was made on the base mesh of `mesh_object`, and can be made again on it."""
-    if source.type != "CURVE":
-        return False
-    known = source.data.smooth_polyline
-    return bool(known.stored) and known.surface == mesh_object and known.source == "BASE"
+    """Whether `source` is a line that was made on the base mesh of `mesh_object`, and can be made again on it."""
+    known = memory.find_memory(source)
+    return known is not None and known.surface == mesh_object and known.source == "BASE"
 
 
 def project(

@@ -112,7 +112,7 @@ def cut_lines(
         list(made),
         new_vertices=len(cut.vertex_triangles),
         new_faces=applied.new_faces,
-        crossings=len(getattr(cut, "crossings", ())),
+        crossings=len(cut.crossings),
     )
 
 
@@ -146,7 +146,7 @@ def follow_paths(mesh_object: bpy.types.Object, opened: surface.Surface, made: S
     with mesh_read.open_current_mesh(mesh_object) as mesh:
         edges = topology.find_edges(edge_marks.read_edge_vertices(mesh), len(mesh.vertices), pairs)
     edges = np.unique(edges[edges != topology.NO_PARTNER])
-    result = PutLines(method, edges, list(made), distance=max((path.distance for path in paths), default=0.0))
+    result = PutLines(method, edges, list(made), distance=max((path.distance["max"] for path in paths), default=0.0))
     if method == "SLIDE":
         targets = [target for line, path in zip(made, paths, strict=True) for target in aim(line, path, opened.arrays)]
         # Where lines meet, the first one has the vertex.

@@ -14,6 +14,13 @@ import bpy
 LINE_TYPES = {"CURVE", "CURVES", "GPENCIL", "GREASEPENCIL"}
 
 
+def is_line(candidate: bpy.types.Object) -> bool:
+    """Whether an object is a line or lines: of the types that are, or a mesh of edges alone."""
+    if candidate.type == "MESH":
+        return len(candidate.data.polygons) == 0 and len(candidate.data.edges) > 0 and candidate.mode == "OBJECT"
+    return candidate.type in LINE_TYPES
+
+
 @dataclass(frozen=True)
 class Stroke:
     """Points in world space, (N, 3) float64; a closed one does not repeat its first."""
@@ -24,7 +31,13 @@ class Stroke:
 
 def read_strokes(context: bpy.types.Context, source: bpy.types.Object) -> list[Stroke]:
     """The lines of a curve or grease pencil object, as seen at the current frame; those of one point are left out."""
-    readers = {"CURVE": read_splines, "CURVES": read_hair, "GPENCIL": read_old_pencil, "GREASEPENCIL": read_pencil}
+    readers = {
+        "CURVE": read_splines,
+        "CURVES": read_hair,
+        "MESH": read_loose_edges,
+        "GPENCIL": read_old_pencil,
+        "GREASEPENCIL": read_pencil,
+    }
     if source.type not in readers:
         return []
     matrix = np.array(source.matrix_world, dtype=np.float64)
@@ -72,6 +85,34 @@ def split_chains(positions: np.ndarray, edges: np.ndarray) -> list[tuple[np.ndar
         for start, stop in zip(starts, stops, strict=True)
         if stop > start
     ]
+
+
+def read_loose_edges(_context: bpy.types.Context, source: bpy.types.Object) -> list[tuple[np.ndarray, bool]]:
+    """Chains of edges of a mesh without faces, each from one branching or end to the next; rings are closed."""
+    mesh = source.data
+    if len(mesh.polygons) > 0:
+        return []
+    positions = np.array([vertex.co for vertex in mesh.vertices], dtype=np.float64).reshape(-1, 3)
+    neighbours: dict[int, list[int]] = {}
+    for a, b in (edge.vertices for edge in mesh.edges):
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    ends = [vertex for vertex, near in neighbours.items() if len(near) != 2]
+    walked: set[tuple[int, int]] = set()
+    found = []
+    for start in [*ends, *neighbours]:  # rings have no ends: they begin anywhere
+        for step in neighbours[start]:
+            chain = [start]
+            while (chain[-1], step) not in walked:
+                walked |= {(chain[-1], step), (step, chain[-1])}
+                chain.append(step)
+                if len(neighbours[step]) != 2 or step == start:
+                    break
+                step = next((near for near in neighbours[step] if near != chain[-2]), chain[-2])
+            if len(chain) > 1:
+                closed = chain[0] == chain[-1]
+                found.append((positions[chain[:-1] if closed else chain], closed))
+    return found
 
 
 def read_hair(_context: bpy.types.Context, source: bpy.types.Object) -> list[tuple[np.ndarray, bool]]:

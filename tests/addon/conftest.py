@@ -8,6 +8,7 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -47,6 +48,17 @@ def scene(extension):
     """An empty file; the add-on stays enabled."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     return bpy.context.scene
+
+
+@pytest.fixture
+def seams(extension):
+    """The modules that put lines into meshes, and those that they stand on."""
+    from bl_ext.user_default.smooth_polylines import seams, session, surface
+    from bl_ext.user_default.smooth_polylines.seams import align, edit, put, slide
+
+    return SimpleNamespace(
+        align=align, edit=edit, package=seams, put=put, session=session, slide=slide, surface=surface
+    )
 
 
 @pytest.fixture

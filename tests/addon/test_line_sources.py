@@ -109,6 +109,23 @@ def test_hair_curves_are_their_points(scene, sources):
     np.testing.assert_allclose(found[0].points, to_world(OPEN), atol=1e-6)
 
 
+def test_a_mesh_of_edges_is_its_chains(scene, sources):
+    mesh = bpy.data.meshes.new("Edges")
+    places = [*OPEN, *[(x, y, 1.0) for x, y, _ in ROUND], (2.0, 2.0, 0.0)]
+    # An open chain out of order with a branch at its middle, and a ring.
+    mesh.from_pydata(places, [(2, 1), (0, 1), (1, 7), (4, 3), (5, 4), (6, 5), (3, 6)], [])
+    edges = bpy.data.objects.new("Edges", mesh)
+    edges.matrix_world = MATRIX
+    scene.collection.objects.link(edges)
+    bpy.context.view_layer.update()
+    assert sources[1].is_line(edges)
+    found = sources[1].read_strokes(bpy.context, edges)
+    assert sorted((len(s.points), s.closed) for s in found) == [(2, False), (2, False), (2, False), (4, True)]
+    ring = next(s for s in found if s.closed)
+    steps = np.linalg.norm(np.diff(np.vstack([ring.points, ring.points[:1]]), axis=0), axis=1)
+    np.testing.assert_allclose(sorted(steps), [0.75, 0.75, 1.5, 1.5], atol=1e-6)
+
+
 def add_pencil(lines):
     """Grease pencil, old or new, with one stroke for each (points, closed)."""
     if hasattr(bpy.data, "grease_pencils_v3") or bpy.app.version >= (4, 3):

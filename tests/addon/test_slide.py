@@ -17,14 +17,6 @@ WIDTH = COLUMNS + 1
 UPPER, LOWER = np.array([[0.1, 0.02], [-0.05, 0.1]]), np.array([[0.07, -0.03], [0.01, 0.12]])
 
 
-@pytest.fixture
-def seams(extension):
-    from bl_ext.user_default.smooth_polylines import seams, surface
-    from bl_ext.user_default.smooth_polylines.seams import align, edit, put, slide
-
-    return SimpleNamespace(align=align, edit=edit, put=put, slide=slide, surface=surface, package=seams)
-
-
 def test_alignment_is_the_cheapest_that_keeps_the_order(seams):
     random = np.random.default_rng(5)
     for _ in range(30):
