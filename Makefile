@@ -95,6 +95,7 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 	$(BIN)/python blender_scripts/demo.py --output out/images --width 960
 	$(BIN)/python blender_scripts/demo.py --output out/images/fair --filter fair --width 960
 	@mkdir -p docs/images && cp out/images/demo.png docs/images/suzanne.png && cp out/images/fair/demo.png docs/images/fair.png
+	$(BIN)/python blender_scripts/seam_pictures.py --output docs/images
 
 # --- checking ---------------------------------------------------------------------------------------------
 
