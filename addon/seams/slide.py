@@ -5,7 +5,7 @@ A vertex takes along what the surface carries at its new place: shape keys, grou
 in the patch of texture that it belongs to. Knows no objects and no modes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,7 @@ def slide_vertices(edited: BMesh, targets: Sequence[Target]) -> tuple[list[int],
     Lookup tables of `edited` must be current. Every shape key moves likewise, on its own surface.
     """
     layers = [edited.verts.layers.shape[k] for k in range(len(edited.verts.layers.shape))]
+    shown = [None, *layers]  # the vertices as they are shown, and each shape
     wanted = {target.vertex: target for target in targets}
     vertices = {number: edited.verts[number] for number in wanted}
     sources = {int(v) for target in targets for v in target.triangle} | set(wanted)
@@ -45,8 +46,9 @@ def slide_vertices(edited: BMesh, targets: Sequence[Target]) -> tuple[list[int],
         for shape in shapes
     ]
     faces = {face: [v.index for v in face.verts] for vertex in vertices.values() for face in vertex.link_faces}
-    known = [read_shape(faces, edited, None)] + [read_shape(faces, edited, layer) for layer in layers]
-    moved = choose_moves(list(wanted), faces, known, goals, wanted)
+    corners = sorted({n for numbers in faces.values() for n in numbers} | set(wanted))
+    places = [[edited.verts[n].co if layer is None else edited.verts[n][layer] for n in corners] for layer in shown]
+    moved = choose_moves(wanted, faces, corners, np.array(places, dtype=np.float64), goals)
     carry_over(edited, [wanted[n] for n in moved], vertices)
     for number in moved:
         vertices[number].co = goals[0][number]
@@ -58,90 +60,104 @@ def slide_vertices(edited: BMesh, targets: Sequence[Target]) -> tuple[list[int],
     return moved, sorted(n for n in stuck if np.linalg.norm(goals[0][n] - shapes[0][n]) > 0.0)
 
 
-def read_shape(faces: dict[BMFace, list[int]], edited: BMesh, layer: object) -> dict[int, np.ndarray]:
-    """Places of all corners of the faces in one shape; None: as shown."""
-    numbers = {n for corners in faces.values() for n in corners}
-    return {n: np.array(edited.verts[n].co if layer is None else edited.verts[n][layer]) for n in numbers}
-
-
 def choose_moves(
-    numbers: Sequence[int],
-    faces: dict[BMFace, list[int]],
-    shapes: Sequence[dict[int, np.ndarray]],
-    goals: Sequence[dict[int, np.ndarray]],
     wanted: dict[int, Target],
+    faces: dict[BMFace, list[int]],
+    corners: Sequence[int],
+    places: np.ndarray,
+    goals: Sequence[dict[int, np.ndarray]],
 ) -> list[int]:
-    """Which vertices can go to their goals together, in every shape; found greedily, the most that fit first."""
-    faces_of: dict[int, list[BMFace]] = {n: [] for n in numbers}
-    for face, corners in faces.items():
-        for n in corners:
+    """Which vertices can go to their goals together, in every shape; found greedily, the most that fit first.
+
+    places : (S, len(corners), 3) where the corners of the faces are, in every shape
+    """
+    row = {number: k for k, number in enumerate(corners)}
+    faces_of: dict[int, list[int]] = {n: [] for n in wanted}
+    rows = [np.array([row[n] for n in numbers]) for numbers in faces.values()]
+    numbers_of = list(faces.values())
+    for face, numbers in enumerate(numbers_of):
+        for n in numbers:
             if n in faces_of:
                 faces_of[n].append(face)
-
     # A goal beyond the faces around a vertex would fold them.
-    moving = {n for n in numbers if is_around(wanted[n], faces, faces_of[n])}
+    moving = {n for n in wanted if is_around(wanted[n], [numbers_of[face] for face in faces_of[n]])}
+    now = places.copy()
 
-    def is_turned(face: BMFace) -> bool:
-        corners = faces[face]
-        return any(
-            is_turned_over(
-                np.array([shape[n] for n in corners]), np.array([goal[n] if n in moving else shape[n] for n in corners])
-            )
-            for shape, goal in zip(shapes, goals, strict=True)
-        )
+    def put(number: int, is_moved: bool) -> None:
+        for shape, goal in enumerate(goals):
+            now[shape, row[number]] = goal[number] if is_moved else places[shape, row[number]]
 
-    waiting = [face for face in faces if moving.intersection(faces[face])]
+    def is_turned(face: int) -> bool:
+        return bool(is_turned_over(places[:, rows[face]], now[:, rows[face]]).any())
+
+    for number in moving:
+        put(number, True)
+    lengths = {n: float(np.linalg.norm(goals[0][n] - places[0, row[n]])) for n in wanted}
     held: list[int] = []
+    waiting = find_turned(range(len(rows)), rows, places, now)
     while waiting:
         stopped = []
         # Of each face that turns over, the vertex that goes furthest stays.
         for face in waiting:
-            candidates = moving.intersection(faces[face])
+            candidates = moving.intersection(numbers_of[face])
             if candidates and is_turned(face):
-                furthest = max(candidates, key=lambda n: (np.linalg.norm(goals[0][n] - shapes[0][n]), n))
+                furthest = max(candidates, key=lambda n: (lengths[n], n))
                 moving.discard(furthest)
+                put(furthest, False)
                 stopped.append(furthest)
         held += stopped
         waiting = list(dict.fromkeys(face for number in stopped for face in faces_of[number]))
     # One by one, those that stayed for the sake of others that stayed too.
-    for number in sorted(held, key=lambda n: (np.linalg.norm(goals[0][n] - shapes[0][n]), n)):
-        moving.add(number)
+    for number in sorted(held, key=lambda n: (lengths[n], n)):
+        put(number, True)
         if any(is_turned(face) for face in faces_of[number]):
-            moving.discard(number)
+            put(number, False)
+        else:
+            moving.add(number)
     return sorted(moving)
 
 
-def is_around(target: Target, faces: dict[BMFace, list[int]], around: Sequence[BMFace]) -> bool:
-    """Whether the goal lies in a face of the vertex."""
+def find_turned(faces: Iterable[int], rows: Sequence[np.ndarray], places: np.ndarray, now: np.ndarray) -> list[int]:
+    """The faces that are turned over in some shape; all of one number of corners are looked at together."""
+    by_size: dict[int, list[int]] = {}
+    for face in faces:
+        by_size.setdefault(len(rows[face]), []).append(face)
+    turned = []
+    for chosen in by_size.values():
+        corners = np.array([rows[face] for face in chosen])
+        is_turned = is_turned_over(places[:, corners], now[:, corners]).any(axis=0)
+        turned += [face for face, is_one in zip(chosen, is_turned.tolist(), strict=True) if is_one]
+    return turned
+
+
+def is_around(target: Target, around: Sequence[Sequence[int]]) -> bool:
+    """Whether the goal lies in one of the faces around the vertex, given by their vertices."""
     corners = {int(v) for v, w in zip(target.triangle, target.weights, strict=True) if w > 0.0}
-    return any(corners <= set(faces[face]) for face in around)
+    return any(corners <= set(numbers) for numbers in around)
 
 
-def is_turned_over(before: np.ndarray, after: np.ndarray) -> bool:
-    """Whether a face looks another way, or a corner that stood out is turned in or gone; (N, 3) corners in order."""
-    normal = find_normal(before)
-    length = np.linalg.norm(normal)
-    if length == 0.0:
-        return False  # it never looked anywhere
-    normal /= length
-    new_normal = find_normal(after)
-    new_length = np.linalg.norm(new_normal)
-    if new_length == 0.0 or new_normal @ normal < SMALLEST_COSINE * new_length:
-        return True
-    return bool((is_standing_out(before, normal) & ~is_standing_out(after, new_normal / new_length)).any())
+def is_turned_over(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Which faces look another way, or have a corner turned in or gone that stood out; corners (..., N, 3) in order."""
+    normals, new_normals = find_normals(before), find_normals(after)
+    lengths, new_lengths = np.linalg.norm(normals, axis=-1), np.linalg.norm(new_normals, axis=-1)
+    cosines = np.einsum("...i,...i->...", normals, new_normals)
+    is_away = cosines <= SMALLEST_COSINE * lengths * new_lengths
+    is_corner_lost = (is_standing_out(before, normals) & ~is_standing_out(after, new_normals)).any(axis=-1)
+    return (lengths > 0.0) & (is_away | is_corner_lost)  # without an area it never looked anywhere
 
 
-def find_normal(corners: np.ndarray) -> np.ndarray:
-    """Twice the area, along the normal of a polygon (M. Newell's sum)."""
-    return np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+def find_normals(corners: np.ndarray) -> np.ndarray:
+    """Twice the area, along the normal of each polygon (M. Newell's sum)."""
+    return np.cross(corners, np.roll(corners, -1, axis=-2)).sum(axis=-2)
 
 
-def is_standing_out(corners: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Which corners turn the way the polygon does, each by more than rounding."""
-    ahead = np.roll(corners, -1, axis=0) - corners
-    behind = corners - np.roll(corners, 1, axis=0)
-    lengths = np.linalg.norm(ahead, axis=1) * np.linalg.norm(behind, axis=1)
-    return np.cross(behind, ahead) @ normal > SMALLEST_CORNER * lengths
+def is_standing_out(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Which corners turn the way their polygon does, each by more than rounding."""
+    ahead = np.roll(corners, -1, axis=-2) - corners
+    behind = corners - np.roll(corners, 1, axis=-2)
+    turns = np.einsum("...ki,...i->...k", np.cross(behind, ahead), normals)
+    lengths = np.linalg.norm(ahead, axis=-1) * np.linalg.norm(behind, axis=-1)
+    return turns > SMALLEST_CORNER * lengths * np.linalg.norm(normals, axis=-1)[..., None]
 
 
 def carry_over(edited: BMesh, targets: Sequence[Target], vertices: dict[int, BMVert]) -> None:
