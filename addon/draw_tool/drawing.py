@@ -54,6 +54,7 @@ class Drawing:
         self.length, self.message, self.hint = 0.0, "", ""
         self.is_moved = False  # something of the mesh may have changed
         self.update_milliseconds: list[float] = []
+        self.opening_milliseconds = 0.0
         self.window, self.area, self.scene = context.window, context.area, context.scene
         self.workspace = context.workspace
         self.handlers = overlay.add_handlers(self.draw_view, self.draw_pixels)
@@ -143,6 +144,7 @@ class Drawing:
     def take_surface(self, opening: Opening) -> None:
         """Draw on what was opened from here on."""
         self.mesh_name, self.source, self.canvas.opened = opening.chosen, opening.source, opening.surface
+        self.opening_milliseconds = opening.milliseconds
         mesh = bpy.data.objects[self.mesh_name].data
         self.mirror = (mesh.use_mirror_x, mesh.use_mirror_y, mesh.use_mirror_z)
 

@@ -48,6 +48,7 @@ class Opening:
         self.thread: threading.Thread | None = None
         self.outcome: list[Any] = []
         self.started = 0.0
+        self.begun, self.milliseconds = time.perf_counter(), 0.0  # how long it all took
 
     def go_on(self, context: bpy.types.Context, patience: float = PATIENCE) -> bool:
         """One step, of `patience` seconds at most but for reading a mesh; True when all is done.
@@ -65,6 +66,7 @@ class Opening:
                 if self.thread.is_alive():
                     return False
                 self.finish()
+        self.milliseconds = 1e3 * (time.perf_counter() - self.begun)
         if self.chosen:
             session.check_object(bpy.data.objects.get(self.chosen))
         elif self.told is not None:

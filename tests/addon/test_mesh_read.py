@@ -106,3 +106,16 @@ def test_normals_are_blenders_vertex_normals(suzanne, mesh_read):
     expected = [tuple(v.vector) for v in suzanne.data.vertex_normals]
     np.testing.assert_array_equal(arrays.local_normals, np.array(expected))
     assert mesh_read.read_mesh(suzanne).local_normals is None
+
+
+@pytest.mark.parametrize("quad_method", ["BEAUTY", "FIXED"])
+def test_a_mesh_of_triangles_alone_is_read_without_asking_for_each(suzanne, mesh_read, quad_method):
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.quads_convert_to_tris(quad_method=quad_method)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    suzanne.data.polygons[7].hide = True
+    arrays = mesh_read.read_mesh(suzanne)
+    positions, triangles, faces = read_mesh_slowly(suzanne.data)
+    np.testing.assert_array_equal(arrays.local_positions, positions)
+    np.testing.assert_array_equal(arrays.triangles, triangles)
+    np.testing.assert_array_equal(arrays.triangle_faces, faces)

@@ -13,6 +13,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 HERE = Path(__file__).parent
@@ -57,8 +58,13 @@ class Window:
         }
         return [*prefix, "/usr/bin/env", "-i", *[f"{k}={v}" for k, v in settings.items()], *words]
 
-    def run(self, scenario):
-        """Run `scenarios/{scenario}.py`; what it told, or a failure with the end of its output."""
+    def run(self, scenario, **arrays):
+        """Run `scenarios/{scenario}.py`; what it told, or a failure with the end of its output.
+
+        arrays : of a mesh that the scenario reads by `kit.add_mesh`
+        """
+        if arrays:
+            np.savez(self.work / "mesh.npz", **arrays)
         told = self.work / "told.json"
         told.unlink(missing_ok=True)
         words = [self.program, "--enable-event-simulate", "--window-geometry", "0", "0", *map(str, SIZE)]

@@ -23,6 +23,7 @@ FOLDER = Path(os.environ["SCENARIO_FOLDER"])
 LONGEST_SCENARIO = 150.0  # seconds
 LONGEST_CONDITION = 20.0
 BETWEEN_EVENTS = 0.05
+BETWEEN_MOVES = 0.02
 
 bpy.context.preferences.view.show_splash = False
 bpy.context.preferences.use_preferences_save = False
@@ -35,6 +36,23 @@ _redraws = [0]
 def tell(**values):
     """Numbers and words for the test that runs the scenario."""
     _told.update(values)
+
+
+def add_mesh(name):
+    """A mesh object of the triangles that the test gave to the scenario."""
+    arrays = np.load(FOLDER / "mesh.npz")
+    positions, triangles = arrays["positions"].astype(np.float32), arrays["triangles"].astype(np.int32)
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(positions))
+    mesh.attributes["position"].data.foreach_set("vector", positions.ravel())
+    mesh.loops.add(triangles.size)
+    mesh.loops.foreach_set("vertex_index", triangles.ravel())
+    mesh.polygons.add(len(triangles))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mesh_object = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(mesh_object)
+    return mesh_object
 
 
 def get_window():
@@ -78,15 +96,21 @@ def click(place, **modifiers):
     yield BETWEEN_EVENTS
 
 
-def drag(start, end, steps=8):
-    move(start)
+def drag(start, end, steps=8, **modifiers):
+    places = [tuple(round(a + (b - a) * k / steps) for a, b in zip(start, end, strict=True)) for k in range(steps + 1)]
+    yield from draw(places, **modifiers)
+
+
+def draw(places, **modifiers):
+    """Press at the first place, move through the others, release."""
+    move(places[0])
     yield BETWEEN_EVENTS
-    send("LEFTMOUSE", "PRESS")
+    send("LEFTMOUSE", "PRESS", **modifiers)
     yield BETWEEN_EVENTS
-    for k in range(1, steps + 1):
-        move(tuple(round(a + (b - a) * k / steps) for a, b in zip(start, end, strict=True)))
-        yield BETWEEN_EVENTS
-    send("LEFTMOUSE", "RELEASE")
+    for place in places[1:]:
+        move(place)
+        yield BETWEEN_MOVES
+    send("LEFTMOUSE", "RELEASE", **modifiers)
     yield BETWEEN_EVENTS
 
 

@@ -1,5 +1,9 @@
 """The draw tool in a real window, driven by mouse and keys."""
 
+import numpy as np
+
+import meshes
+
 
 def test_draw_edit_undo_and_leave_on_suzanne(window):
     told = window.run("draw")
@@ -26,12 +30,57 @@ def test_draw_edit_undo_and_leave_on_suzanne(window):
     assert abs(told["mirrored_ends"][0]) > 0.2
 
 
-def test_a_million_triangles(window):
-    told = window.run("dense")
+def subdivide(positions, triangles):
+    """Each triangle into four, by the middles of its edges."""
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, edge_of_side = np.unique(sides, axis=0, return_inverse=True)
+    middle = len(positions) + edge_of_side.reshape(-1, 3)
+    a, b, c = triangles.T
+    ab, bc, ca = middle.T
+    four = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    return np.concatenate([positions, positions[edges].mean(axis=1)]), np.concatenate(
+        [np.column_stack(t) for t in four]
+    )
+
+
+def make_rough_ball(columns=720, rows=720):
+    """A million triangles with some relief, for where there is no scan."""
+    turn = np.linspace(0, 2 * np.pi, columns, endpoint=False)
+    rise = np.linspace(0.002, np.pi - 0.002, rows)[:, None]
+    radius = 0.08 * (1 + 0.02 * np.sin(23 * turn) * np.sin(17 * rise))
+    x, y = radius * np.sin(rise) * np.cos(turn), radius * np.sin(rise) * np.sin(turn)
+    z = radius * np.cos(rise) * np.ones_like(turn)
+    row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
+    a, b = (row * columns + column).ravel(), (row * columns + (column + 1) % columns).ravel()
+    triangles = np.concatenate([np.column_stack([a, a + columns, b]), np.column_stack([b, a + columns, b + columns])])
+    return np.stack([x, y, z], axis=-1).reshape(-1, 3), triangles
+
+
+def test_a_scan_of_a_million_triangles(window):
+    if meshes.find_mesh_folder().is_dir():
+        mesh = meshes.load_shared_mesh("igea.ply")
+        # Upright, and facing the front view.
+        positions, triangles = subdivide(mesh.positions[:, [0, 2, 1]] * [1.0, -1.0, 1.0], mesh.triangles)
+    else:
+        positions, triangles = make_rough_ball()
+    told = window.run("scan", positions=positions, triangles=triangles)
     print(told)  # times are told, not judged: machines differ
     assert told["triangles"] > 1_000_000
-    assert told["message"] == ""
-    assert told["picks"] == 4
-    assert told["points"] > 300
-    assert told["updates"] >= 10, "the line was not made again for most of the mouse's moves"
-    assert told["objects"] == 1
+    assert told["is_opening"]
+    assert "triangles. Esc leaves" in told["told_while_opening"]
+    assert told["modal_after_esc"] == 0
+    assert told["picks_after_opening"] == 1
+    for filter_ in ("fair", "geodesic", "linear", "cubic"):
+        assert told[f"{filter_}_message"] == ""
+        assert told[f"{filter_}_points"] > 100
+        assert told[f"{filter_}_updates"] >= 8, "the line was not made again for most of the mouse's moves"
+    assert told["off_surface"] < 1e-9 * told["scale"]
+    assert told["stroke_message"] == ""
+    assert 2 <= told["stroke_picks"] <= 14
+    assert told["stroke_pixels_off"] < 8
+    assert abs(told["moved_with_object"] - 0.25) < 1e-4
+    assert told["moved_aside"] < 1e-6 * told["scale"]
+    assert told["edit_is_noticed"]
+    assert told["kept_off_surface"] < 1e-6 * told["scale"]
+    assert told["kept_state"] == "CURRENT"
+    assert told["curves_after_undo"] == 0
