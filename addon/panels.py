@@ -30,10 +30,16 @@ class CurvePanel:
         return memory.find_memory(context.object) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        """The state and its message, the mesh, the settings, and the button that makes the line again."""
+        """The button that edits the picks, the state and its message, the mesh, the settings."""
         line_object = context.object
         known, output = memory.find_memory(line_object), line_data.get_output(line_object.data)
         layout = self.layout
+        if context.space_data.type == "VIEW_3D":
+            row = layout.row()
+            # Not in the sidebar, which has no view.
+            row.operator_context = "INVOKE_REGION_WIN"
+            edit = row.operator(VIEW3D_OT_smooth_polyline_draw.bl_idname, text="Edit Picks", icon="GREASEPENCIL")
+            edit.curve = line_object.name
         # A pointer that lost its object is no state that anything could have written down.
         state, message = known.state, known.message
         if memory.is_mesh_gone(known):
@@ -54,9 +60,6 @@ class CurvePanel:
         layout.prop_search(line_object, "smooth_polyline_collection", bpy.data, "collections", text="Collection")
         layout.prop_search(line_object, "smooth_polyline_material", bpy.data, "materials", text="Material")
         layout.operator(CURVE_OT_smooth_polyline_update.bl_idname, text="Update", icon="FILE_REFRESH")
-        if context.region_data is not None:  # in the 3D view alone
-            edit = layout.operator(VIEW3D_OT_smooth_polyline_draw.bl_idname, text="Edit Picks", icon="GREASEPENCIL")
-            edit.curve = context.object.name
 
 
 class DATA_PT_smooth_polyline(CurvePanel, bpy.types.Panel):

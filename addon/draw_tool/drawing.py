@@ -17,7 +17,7 @@ from ..errors import ObjectError
 from ..live import memory
 from . import overlay, view
 from .canvas import SurfaceCanvas, make_pick
-from .gestures import Gestures, Input, Mode, describe_state, forget_hint
+from .gestures import Gestures, Input, Mode, forget_hint
 from .opening import Opening
 from .sketch import Sketch, SketchPick, SketchState
 
@@ -52,6 +52,7 @@ class Drawing:
         self.mirror = (False, False, False)
         self.mirrored_points: list[np.ndarray] = []
         self.length, self.message, self.hint = 0.0, "", ""
+        self.was_selected = False  # the curve that is edited
         self.is_moved = False  # something of the mesh may have changed
         self.update_milliseconds: list[float] = []
         self.opening_milliseconds = 0.0
@@ -123,8 +124,11 @@ class Drawing:
             self.area.header_text_set(f"Smooth Polyline: {self.opening.describe()}")
             return
         told = f"Smooth Polyline on {self.mesh_name}: " if self.mesh_name else "Smooth Polyline: click on a mesh; "
-        length = describe_length(self.scene.unit_settings, self.length)
-        told += f"{len(state.picks)} picks, length {length}, {describe_state(state)}"
+        units, loop = self.scene.unit_settings, "Closed " * state.is_closed
+        length = describe_length(units, self.length)
+        told += f"{len(state.picks)} picks, length {length}, {loop}{state.filter.title()}"
+        if state.filter == "FAIR" and state.detail_size > 0.0:
+            told += f", detail size {describe_length(units, state.detail_size)}"
         notes = [note for note in (self.message, self.hint) if note]
         self.area.header_text_set(". ".join([told, *notes]))
 
@@ -135,9 +139,21 @@ class Drawing:
             running.remove(self)
             bpy.app.handlers.depsgraph_update_post.remove(self.on_update)
             self.workspace.status_text_set(None)
+            self.show_edited(True)
             if any(area == self.area for area in self.window.screen.areas):
                 self.area.header_text_set(None)
             self.tag_redraw()
+
+    def show_edited(self, is_shown: bool) -> None:
+        """Show the curve that is edited, or hide it while the line is drawn in its place."""
+        edited = bpy.data.objects.get(self.curve_name)
+        if edited is None or edited.hide_get() != is_shown:
+            return
+        if not is_shown:
+            self.was_selected = edited.select_get()
+        edited.hide_set(not is_shown)
+        if is_shown:
+            edited.select_set(self.was_selected)
 
     # --- the surface
 

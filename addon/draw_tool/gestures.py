@@ -311,12 +311,6 @@ def measure_distance(a: tuple[float, ...], b: tuple[float, ...]) -> float:
     return sum((x - y) ** 2 for x, y in zip(a, b, strict=True)) ** 0.5
 
 
-def describe_state(state: SketchState) -> str:
-    """Filter and detail size, for the header."""
-    told = "Closed " * state.is_closed + state.filter.title()
-    return told + (f", detail size {state.detail_size:.4g}" if state.filter == "FAIR" and state.detail_size else "")
-
-
 def forget_hint(gestures: Gestures) -> str:
     """The hint of the last event, once."""
     hint, gestures.hint = gestures.hint, ""

@@ -128,7 +128,8 @@ def draw_status(header: bpy.types.Header, _context: bpy.types.Context) -> None:
     for icons, text in KEYS:
         for icon in icons:
             row.label(text="", icon=icon)
-        row.label(text=text)
+        # The icons of keys with long names are wider than their place.
+        row.label(text=f"  {text}" if icons[-1] in {"EVENT_ESC", "EVENT_RETURN"} else text)
         row.separator(factor=0.7)
 
 

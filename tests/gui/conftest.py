@@ -19,7 +19,7 @@ import pytest
 HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
 SHOTS = REPOSITORY / "out" / "gui"
-SECONDS_A_SCENARIO = 180
+SECONDS_A_SCENARIO = 450
 SIZE = (1280, 800)
 
 

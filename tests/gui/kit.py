@@ -20,8 +20,8 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 import bpy
 
 FOLDER = Path(os.environ["SCENARIO_FOLDER"])
-LONGEST_SCENARIO = 150.0  # seconds
-LONGEST_CONDITION = 20.0
+LONGEST_SCENARIO = 400.0  # seconds
+LONGEST_CONDITION = 60.0
 BETWEEN_EVENTS = 0.05
 BETWEEN_MOVES = 0.02
 
@@ -211,4 +211,5 @@ def play(scenario):
             shoot("failure")
             leave(3)
 
-    bpy.app.timers.register(tick, first_interval=0.5)
+    # Persistent: a scenario may open a file.
+    bpy.app.timers.register(tick, first_interval=0.5, persistent=True)

@@ -84,3 +84,54 @@ def test_a_scan_of_a_million_triangles(window):
     assert told["kept_off_surface"] < 1e-6 * told["scale"]
     assert told["kept_state"] == "CURRENT"
     assert told["curves_after_undo"] == 0
+
+
+def test_a_new_users_first_hour(window):
+    told = window.run("trial")
+    print(told)
+    assert told["turned_by_numpad"] > 0.1
+    assert told["turned_by_mouse"] > 0.1
+    assert (told["picks_after_turn"], told["picks_after_mouse"]) == (2, 0)
+    assert told["parting_message"] == ""
+    assert told["parting_active"]
+    assert told["parting_off_surface"] < 1e-5
+    assert (told["open_after_forty"], told["picks_after_stroke_undo"]) == (False, 0)
+    assert told["picks_after_forty"] >= 3
+    assert (told["loop_closed"], told["loop_message"]) == (True, "")
+    assert 4 <= told["loop_picks"] <= 16
+    assert told["loop_pixels_off"] < 3
+    assert told["detail_size"] > 0
+    assert (told["detail_size_after_esc"], told["still_drawing"]) == (0, 1)
+    assert (told["filter_chosen"], told["cubic_message"]) == ("CUBIC", "")
+    assert told["undo_changed"]
+    assert told["redo_is_same"]
+    assert (told["curves"], told["curves_after_undo"], told["curves_after_redo"]) == (2, 1, 2)
+    assert told["loop_off_surface"] < 1e-5
+    assert (told["loop_filter"], told["loop_cyclic"]) == ("CUBIC", True)
+    assert told["same_after_reopening"]
+    assert (told["picks_again"], told["filter_again"], told["closed_again"]) == (told["loop_picks"], "CUBIC", True)
+    assert (told["curves_at_the_end"], told["edit_changed"], told["state"]) == (2, True, "CURRENT")
+    assert told["edited_off_surface"] < 1e-5
+    assert told["modal_at_the_end"] == 0
+
+
+def test_modes_outputs_and_displays(window):
+    told = window.run("modes")
+    print(told)
+    assert (told["of_two"], told["in_local_view"], told["local_picks"]) == ("Near", "Far", 3)
+    assert (told["local_curve_seen"], told["local_parent"]) == (True, "Far")
+    assert told["perspective"]
+    assert told["perspective_off"] <= 1
+    assert told["button_worked"]
+    assert told["picks_by_buttons"] == 0
+    assert told["scale"] == 2
+    assert 1.5 < told["line_pixels_twice"] / told["line_pixels"] < 3.0
+    assert (told["mirrors"], told["mirrored_curves"]) == (1, 2)
+    for output in ("CURVE", "MESH", "CURVES"):
+        if f"made_{output}" in told:
+            assert told[f"made_{output}"] == [output, f"Line {output}", True]
+    assert told["made_MESH"]
+    assert told["last_operation"] == "VIEW3D_OT_smooth_polyline_draw"
+    assert (told["last_filter"], told["curves_after_redo"], told["filter_after_redo"]) == ("FAIR", 1, "GEODESIC")
+    assert (told["edited_Left"], told["edited_Right"]) == ("Left", "Right")
+    assert (told["parents"], told["mode"]) == (["Left", "Right"], "EDIT_MESH")
