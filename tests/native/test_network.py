@@ -76,7 +76,7 @@ def test_a_connection_to_no_pick_is_an_option_error(wrong):
         make_parts().network([0, 9], [[0, 1], [1, wrong]])
 
 
-@pytest.mark.parametrize("connections", [None, [0, 1], [[0, 1, 2]], [[0.0, 1.0]], [[True, False]], "01", [[0], [1, 2]]])
+@pytest.mark.parametrize("connections", [None, [0, 1], [[0, 1, 2]], [[0.0, 1.0]], [[True, False]], [[0], [1, 2]]])
 def test_connections_of_another_type_or_shape_are_type_errors(connections):
     with pytest.raises(TypeError, match=r"^connections: "):
         make_parts().network([0, 9], connections)
@@ -113,3 +113,20 @@ def test_a_raised_error_does_not_keep_the_network_alive():
     alive = hold()
     gc.collect()
     assert alive() is None
+
+
+def test_connections_by_a_word():
+    mesh = make_parts()
+    for word, expected in (
+        ("all", [[0, 1], [0, 2], [1, 2]]),
+        ("chain", [[0, 1], [1, 2]]),
+        ("loop", [[0, 1], [1, 2], [2, 0]]),
+    ):
+        assert mesh.network([0, 9, 4], word).connections.tolist() == expected
+    with pytest.raises(sp.OptionError, match=r'^connections: found "chains", .*did you mean "chain"'):
+        mesh.network([0, 9], "chains")
+    for word, picks in (("all", [0]), ("loop", [0, 9]), ("automatic", [])):
+        with pytest.raises(sp.OptionError, match=r"^picks: found \d picks"):
+            mesh.network(picks, word)
+    with pytest.raises(TypeError, match="^avoid_crossings: "):
+        mesh.network([0, 9], "all", avoid_crossings="no")

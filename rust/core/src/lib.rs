@@ -11,10 +11,12 @@
 
 pub mod adjacency;
 pub mod band;
+pub mod cells;
 pub mod chain;
 pub mod check;
 pub mod closest_point;
 pub mod cone;
+pub mod connections;
 pub mod edge_path;
 pub mod embed;
 pub mod error;
@@ -53,6 +55,7 @@ pub mod trace;
 pub mod triangle_tree;
 pub mod turn;
 pub mod unfold;
+pub mod untangle;
 pub mod vertex_pass;
 pub mod window;
 pub mod window_search;

@@ -122,12 +122,15 @@ impl PyCrossings {
 #[pyfunction]
 pub fn find_crossings(py: Python<'_>, lines: &Bound<'_, PyAny>) -> PyResult<PyCrossings> {
     let lines = read_lines("lines", lines)?;
-    let Some(mesh) = lines.first().map(|line| Arc::clone(line.get().mesh())) else {
+    let Some(mesh) = lines.first().map(|(_, line)| Arc::clone(line.get().mesh())) else {
         return Ok(PyCrossings::new(None, Vec::new()));
     };
     check_lines(py, &mesh, &lines)?;
-    let of_core: Vec<&Polyline> = lines.iter().map(|line| line.get().line()).collect();
-    let found = run_detached(py, || find(&mesh, &of_core))?.map_err(|error| from_core(py, error))?;
+    let of_core: Vec<&Polyline> = lines.iter().map(|(_, line)| line.get().line()).collect();
+    let mut found = run_detached(py, || find(&mesh, &of_core))?.map_err(|error| from_core(py, error))?;
+    for crossing in &mut found {
+        crossing.lines = crossing.lines.map(|line| lines[line as usize].0);
+    }
     Ok(PyCrossings::new(Some(mesh), found))
 }
 

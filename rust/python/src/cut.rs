@@ -59,7 +59,13 @@ impl PyCut {
         Self { mesh, embedding, polygons: OnceLock::new(), crossings: OnceLock::new(), arrays: Arrays::none_yet() }
     }
 
-    fn polygons(&self, py: Python<'_>) -> PyResult<&CutPolygons> {
+    /// The mesh that was cut, and how.
+    pub fn parts(&self) -> (&SurfaceMesh, &Embedding) {
+        (&self.mesh, &self.embedding)
+    }
+
+    /// Polygons after the cut.
+    pub fn polygons(&self, py: Python<'_>) -> PyResult<&CutPolygons> {
         run_detached(py, || self.polygons.get_or_init(|| self.embedding.polygons(&self.mesh)))
     }
 

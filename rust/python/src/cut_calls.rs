@@ -9,23 +9,14 @@ use smooth_polylines_core::{MeshError, Polyline, SurfaceMesh};
 use crate::border::run_detached;
 use crate::cut::PyCut;
 use crate::errors::{from_core, option_error, type_error};
+use crate::line_options::read_tolerance;
 use crate::mesh::PySurfaceMesh;
 use crate::network::PyNetwork;
 use crate::polyline::PyPolyline;
 
-/// The tolerance of a cut as a float; its range is judged by the core.
-fn read_tolerance(value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let refuse = || -> PyResult<PyErr> {
-        Ok(type_error("tolerance", format_args!("found {}, expected a number", value.get_type().name()?)))
-    };
-    match value.extract::<f64>() {
-        Ok(number) if !value.is_instance_of::<pyo3::types::PyBool>() => Ok(number),
-        _ => Err(refuse()?),
-    }
-}
-
-/// The lines in a sequence of Polyline, or of a Network, in order; `None` entries of a network are left out.
-pub fn read_lines(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Py<PyPolyline>>> {
+/// The lines in a sequence of Polyline, or of a Network, in order, each with its place there; `None` entries of a network
+/// are left out.
+pub fn read_lines(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(u32, Py<PyPolyline>)>> {
     let is_network = value.cast::<PyNetwork>().is_ok();
     let refuse = |found: &Bound<'_, PyAny>| -> PyResult<PyErr> {
         let name = found.get_type().name()?;
@@ -36,10 +27,10 @@ pub fn read_lines(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<
     }
     let Ok(entries) = value.try_iter() else { return Err(refuse(value)?) };
     let mut lines = Vec::new();
-    for entry in entries {
+    for (place, entry) in (0..).zip(entries) {
         let entry = entry?;
         match entry.cast_into::<PyPolyline>() {
-            Ok(line) => lines.push(line.unbind()),
+            Ok(line) => lines.push((place, line.unbind())),
             Err(failed) => {
                 let entry = failed.into_inner();
                 if !(is_network && entry.is_none()) {
@@ -52,10 +43,10 @@ pub fn read_lines(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<
 }
 
 /// Refuses lines of other meshes.
-pub fn check_lines(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[Py<PyPolyline>]) -> PyResult<()> {
-    match lines.iter().position(|line| !Arc::ptr_eq(line.get().mesh(), mesh)) {
+pub fn check_lines(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[(u32, Py<PyPolyline>)]) -> PyResult<()> {
+    match lines.iter().find(|(_, line)| !Arc::ptr_eq(line.get().mesh(), mesh)) {
         None => Ok(()),
-        Some(i) => Err(option_error(
+        Some((i, _)) => Err(option_error(
             py,
             "lines",
             format!(
@@ -65,7 +56,8 @@ pub fn check_lines(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[Py<PyPolyli
     }
 }
 
-fn cut(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[&Polyline], tolerance: f64) -> PyResult<PyCut> {
+/// Puts lines of a mesh into it.
+pub fn cut(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[&Polyline], tolerance: f64) -> PyResult<PyCut> {
     let embedding =
         run_detached(py, || Embedding::new(mesh, lines, tolerance))?.map_err(|error| from_core(py, error))?;
     let (found, limit) = (mesh.positions().len() + embedding.new.len(), i32::MAX as usize);
@@ -152,7 +144,7 @@ impl PySurfaceMesh {
     ) -> PyResult<PyCut> {
         let lines = read_lines("lines", lines)?;
         check_lines(py, &self.mesh, &lines)?;
-        let lines: Vec<&Polyline> = lines.iter().map(|line| line.get().line()).collect();
+        let lines: Vec<&Polyline> = lines.iter().map(|(_, line)| line.get().line()).collect();
         cut(py, &self.mesh, &lines, tolerance)
     }
 }

@@ -99,7 +99,7 @@ pub fn read_triangle_faces(argument: &'static str, value: &Bound<'_, PyAny>, tri
 }
 
 /// An `(M, 2)` array of any integer type; values are judged by the core.
-pub fn read_connections(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[i128; 2]>> {
+pub fn read_pairs(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[i128; 2]>> {
     let array = as_array(argument, value)?;
     check_shape(argument, &array, &[None, Some(2)], "(M, 2): two positions in picks for each line")?;
     Ok(read_any_integers(argument, &array)?.chunks_exact(2).map(|c| [c[0], c[1]]).collect())

@@ -20,6 +20,8 @@ mod mesh;
 mod mesh_lines;
 mod mesh_report;
 mod network;
+mod network_calls;
+mod patches;
 mod picks;
 mod polyline;
 mod ray_hits;
@@ -47,6 +49,8 @@ mod _native {
     use crate::mesh_report::PyMeshReport;
     #[pymodule_export]
     use crate::network::PyNetwork;
+    #[pymodule_export]
+    use crate::patches::PyPatches;
     #[pymodule_export]
     use crate::polyline::PyPolyline;
     #[pymodule_export]

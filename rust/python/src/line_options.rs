@@ -5,11 +5,13 @@
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
+use smooth_polylines_core::connections::Connections;
 use smooth_polylines_core::options::{DEFAULT_SUPPORT, MAX_SUPPORT};
 use smooth_polylines_core::{Filter, Knots, Pinned, Solver};
 
 use crate::choices::{choose, refuse_word};
 use crate::errors::{option_error, type_error};
+use crate::input_arrays::read_pairs;
 use crate::picks::sequence_items;
 
 const FILTERS: [(&str, Filter); 5] = [
@@ -22,6 +24,12 @@ const FILTERS: [(&str, Filter); 5] = [
 const SOLVERS: [(&str, Solver); 2] = [("auto", Solver::Auto), ("heap", Solver::Heap)];
 const KNOTS: [(&str, Knots); 3] =
     [("uniform", Knots::Uniform), ("centripetal", Knots::Centripetal), ("chordal", Knots::Chordal)];
+const CONNECTIONS: [(&str, Connections); 4] = [
+    ("all", Connections::All),
+    ("chain", Connections::Chain),
+    ("loop", Connections::Loop),
+    ("automatic", Connections::Automatic),
+];
 
 /// `closed`: a bool.
 pub fn read_closed(value: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -56,6 +64,31 @@ pub fn read_threshold(value: &Bound<'_, PyAny>) -> PyResult<f64> {
 /// `detail_size`: a number or None.
 pub fn read_detail_size(value: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     if value.is_none() { Ok(None) } else { read_number("detail_size", value, "a number or None").map(Some) }
+}
+
+/// `tolerance`: a number.
+pub fn read_tolerance(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    read_number("tolerance", value, "a number")
+}
+
+/// `avoid_crossings`: a bool or None.
+pub fn read_avoid_crossings(value: &Bound<'_, PyAny>) -> PyResult<Option<bool>> {
+    if value.is_none() { Ok(None) } else { read_flag("avoid_crossings", value).map(Some) }
+}
+
+/// `connections`: a word, or pairs.
+pub fn read_connections(value: &Bound<'_, PyAny>) -> PyResult<Connections> {
+    let Ok(word) = value.cast::<PyString>() else { return read_pairs("connections", value).map(Connections::Pairs) };
+    let word = word.to_cow()?;
+    let found = CONNECTIONS.iter().find(|(name, _)| *name == word).map(|(_, connections)| connections.clone());
+    found.ok_or_else(|| {
+        let names: Vec<&str> = CONNECTIONS.iter().map(|(name, _)| *name).collect();
+        option_error(
+            value.py(),
+            "connections",
+            refuse_word(&word, &names, ", or an (M, 2) array of positions in picks"),
+        )
+    })
 }
 
 /// `support`: an integer of at least 0; what does not fit is refused by the core as too many.
@@ -161,11 +194,11 @@ fn refuse_support(py: Python<'_>, found: &str) -> PyErr {
     option_error(py, "support", message)
 }
 
-fn read_flag(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+pub fn read_flag(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
     value.extract().map_err(|_| refuse_type(argument, value, "a bool"))
 }
 
-fn read_number(argument: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyResult<f64> {
+pub fn read_number(argument: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyResult<f64> {
     if value.extract::<bool>().is_ok() {
         return Err(refuse_type(argument, value, expected));
     }

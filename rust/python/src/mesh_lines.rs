@@ -6,16 +6,14 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use smooth_polylines_core::options::{DEFAULT_SUPPORT, DEFAULT_THRESHOLD};
-use smooth_polylines_core::{Filter, Knots, Options, Pinned, Solver, network, smooth, stroke};
+use smooth_polylines_core::{Filter, Knots, Options, Pinned, Solver, smooth, stroke};
 
-use crate::border::{LineWatch, Watch, run_detached, run_watched};
-use crate::input_arrays::read_connections;
+use crate::border::{Watch, run_detached};
 use crate::line_options::{
     read_closed, read_detail_size, read_filter, read_knots, read_max_iterations, read_pinned, read_solver, read_stages,
     read_support, read_threshold,
 };
 use crate::mesh::PySurfaceMesh;
-use crate::network::{PyNetwork, with_seconds};
 use crate::picks::read_picks;
 use crate::polyline::PyPolyline;
 use crate::stroke_points::read_stroke_points;
@@ -175,68 +173,5 @@ impl PySurfaceMesh {
         let line = run_detached(py, || stroke::stroke(&self.mesh, &points, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
         PyPolyline::new(py, Arc::clone(&self.mesh), line, watch.stop())
-    }
-
-    /// Several lines in one call, each with its own result or error: a Network.
-    ///
-    /// Parameters
-    /// ----------
-    /// picks : sequence
-    ///     As for `polyline`.
-    /// connections : (M, 2) of any integer type
-    ///     Positions in `picks`: line i goes from the first to the second.
-    ///
-    /// The other arguments are those of `polyline` and hold for every line.
-    ///
-    /// Raises
-    /// ------
-    /// OptionError
-    ///     An argument out of its range, a connection to a pick that does not exist. What goes wrong with one line is
-    ///     in `Network.errors` instead.
-    /// TypeError
-    ///     A pick or an argument of a wrong type.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import numpy as np, smooth_polylines as sp
-    /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    /// >>> mesh = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]])
-    /// >>> mesh.network([0, 1], [[0, 1], [1, 0]])
-    /// <Network: 2 connections, 2 lines, 0 errors>
-    #[pyo3(
-        signature = (picks, connections, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
-                     threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
-                     support=DEFAULT_SUPPORT, stages=false),
-        text_signature = "($self, picks, connections, closed=False, filter='linear', pinned='ends', solver='auto', \
-                          threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
-                          support=2, stages=False)"
-    )]
-    #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
-    fn network(
-        &self,
-        py: Python<'_>,
-        picks: &Bound<'_, PyAny>,
-        connections: &Bound<'_, PyAny>,
-        #[pyo3(from_py_with = read_closed)] closed: bool,
-        #[pyo3(from_py_with = read_filter)] filter: Filter,
-        #[pyo3(from_py_with = read_pinned)] pinned: Pinned,
-        #[pyo3(from_py_with = read_solver)] solver: Solver,
-        #[pyo3(from_py_with = read_threshold)] threshold: f64,
-        #[pyo3(from_py_with = read_max_iterations)] max_iterations: Option<u32>,
-        #[pyo3(from_py_with = read_detail_size)] detail_size: Option<f64>,
-        #[pyo3(from_py_with = read_knots)] knots: Knots,
-        #[pyo3(from_py_with = read_support)] support: usize,
-        #[pyo3(from_py_with = read_stages)] stages: bool,
-    ) -> PyResult<PyNetwork> {
-        let mut watch = Watch::start();
-        let options =
-            Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
-        let picks = read_picks("picks", picks)?;
-        let connections = read_connections("connections", connections)?;
-        let lines = run_watched(py, &mut watch, |stop| {
-            network::network(&self.mesh, &picks, &connections, &options, |_| LineWatch::start(stop)).map(with_seconds)
-        })?
-        .map_err(|error| watch.raise(py, error))?;
-        PyNetwork::new(py, &self.mesh, lines, watch.stop().total)
     }
 }

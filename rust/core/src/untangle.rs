@@ -1,0 +1,204 @@
+//! Crossings of a net's lines that the picks do not force, taken out.
+//!
+//! Two lines that share an end pick and cross elsewhere, or that cross twice, enclose something between them that one of
+//! them can be led round: it is sent along the other as far as the crossing, and smoothed from there. A line that crosses
+//! itself loses the loop. A change is kept only where fewer crossings remain in all, so this ends. What then remains are
+//! crossings of lines that cross once and share no pick, and such as smoothing brings back: those are forced.
+
+use std::collections::BTreeMap;
+
+use crate::embed::crossings::{Crossing, find_crossings};
+use crate::error::{Error, Result};
+use crate::join::Input;
+use crate::mesh::SurfaceMesh;
+use crate::options::Options;
+use crate::polyline::Polyline;
+use crate::report::{Observer, Report};
+use crate::smooth::smooth_input;
+use crate::stroke::{StrokePoints, join_stroke};
+use crate::surface_point::{Pick, SurfacePoint};
+
+/// Changes that are tried for each line of a net.
+const ATTEMPTS_PER_LINE: usize = 4;
+
+/// A stretch of a line that is to go along another one instead.
+struct Detour {
+    /// The line that is changed.
+    line: usize,
+    points: Vec<SurfacePoint>,
+}
+
+/// Takes crossings out of `lines`, `None` where a line could not be made; `pairs[i]` are the picks that line `i` joins.
+/// Returns the crossings that remain, whose lines are places in `lines`.
+///
+/// # Errors
+/// [`Error::Interrupted`], and what [`find_crossings`] may raise. A line that cannot be smoothed anew stays as it is.
+pub fn untangle(
+    mesh: &SurfaceMesh,
+    lines: &mut [Option<Polyline>],
+    pairs: &[[i128; 2]],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Crossing>> {
+    let mut crossings = find_transversal(mesh, lines)?;
+    let mut left = ATTEMPTS_PER_LINE * lines.len();
+    let mut tried: Vec<(usize, [u64; 2])> = Vec::new();
+    while !crossings.is_empty() {
+        let detours = propose(lines, pairs, &crossings);
+        let mut is_better = false;
+        for Detour { line, points } in detours {
+            // What was tried once with these two lengths would fail again.
+            let name = (line, [points.len() as u64, length_bits(mesh, &points)]);
+            if left == 0 || tried.contains(&name) {
+                continue;
+            }
+            tried.push(name);
+            left -= 1;
+            let Some(changed) = lead(mesh, &points, options, observer)? else { continue };
+            let before = lines[line].replace(changed);
+            let remaining = find_transversal(mesh, lines)?;
+            if remaining.len() < crossings.len() {
+                crossings = remaining;
+                is_better = true;
+                break;
+            }
+            lines[line] = before;
+        }
+        if !is_better {
+            break;
+        }
+    }
+    Ok(crossings)
+}
+
+/// Takes out lines until none cross any more, the longest of those that cross first: for nets whose connections nobody asked
+/// for by name. Returns for each line whether it stays.
+///
+/// # Errors
+/// See [`find_crossings`].
+pub fn drop_crossing(mesh: &SurfaceMesh, lines: &mut [Option<Polyline>]) -> Result<Vec<bool>> {
+    let mut stays = vec![true; lines.len()];
+    let mut crossings = find_transversal(mesh, lines)?;
+    crossings.retain(|crossing| crossing.lines[0] != crossing.lines[1]);
+    loop {
+        let length = |line: u32| lines[line as usize].as_ref().map_or(0.0, Polyline::length);
+        let longest = crossings.iter().flat_map(|crossing| crossing.lines);
+        let Some(longest) = longest.max_by(|&a, &b| length(a).total_cmp(&length(b)).then(b.cmp(&a))) else {
+            return Ok(stays);
+        };
+        stays[longest as usize] = false;
+        lines[longest as usize] = None;
+        crossings.retain(|crossing| !crossing.lines.contains(&longest));
+    }
+}
+
+/// Crossings, less where lines only touch; lines are named by their places.
+pub fn find_transversal(mesh: &SurfaceMesh, lines: &[Option<Polyline>]) -> Result<Vec<Crossing>> {
+    let (places, made): (Vec<usize>, Vec<&Polyline>) =
+        lines.iter().enumerate().filter_map(|(i, line)| Some((i, line.as_ref()?))).unzip();
+    let mut found = find_crossings(mesh, &made)?;
+    found.retain(|crossing| crossing.is_transversal);
+    for crossing in &mut found {
+        crossing.lines = crossing.lines.map(|line| places[line as usize] as u32);
+    }
+    Ok(found)
+}
+
+fn length_bits(mesh: &SurfaceMesh, points: &[SurfacePoint]) -> u64 {
+    let places: Vec<_> = points.iter().map(|point| mesh.position_of(point)).collect();
+    crate::polyline::length_of(&places, false).to_bits()
+}
+
+/// The smoothed line along `points`; `None` where it cannot be made.
+fn lead(
+    mesh: &SurfaceMesh,
+    points: &[SurfacePoint],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Option<Polyline>> {
+    let pick = |point: &SurfacePoint| Pick::Point { triangle: point.triangle.0.into(), barycentric: point.barycentric };
+    let picks = StrokePoints::Surface(points.iter().map(pick).collect());
+    let mut report = Report::default();
+    let made = join_stroke(mesh, &picks, options, &mut report, observer).and_then(|route| {
+        let is_pinned = vec![true; route.pins.len()];
+        smooth_input(mesh, Input { route, is_pinned, is_drawn: false }, options, report, observer)
+    });
+    match made {
+        Ok(line) => Ok(Some(line)),
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(_) => Ok(None),
+    }
+}
+
+/// What could be changed, for every two lines that have something between them, and every line with a loop.
+fn propose(lines: &[Option<Polyline>], pairs: &[[i128; 2]], crossings: &[Crossing]) -> Vec<Detour> {
+    let mut by_lines: BTreeMap<[u32; 2], Vec<&Crossing>> = BTreeMap::new();
+    for crossing in crossings {
+        by_lines.entry(crossing.lines).or_default().push(crossing);
+    }
+    let mut detours = Vec::new();
+    for ([a, b], met) in by_lines {
+        let (a, b) = (a as usize, b as usize);
+        let (Some(one), Some(other)) = (&lines[a], &lines[b]) else { continue };
+        if a == b {
+            let [p, q] = met[0].parameters;
+            let (p, q) = (p.min(q), p.max(q));
+            let around = [stretch(one, 0.0, p), vec![met[0].point], stretch(one, q, end_of(one))];
+            detours.push(Detour { line: a, points: around.concat() });
+            continue;
+        }
+        // Places that both lines share: ends at one pick, and crossings; between two of them something is enclosed.
+        let mut shared: Vec<([f64; 2], Option<SurfacePoint>)> =
+            met.iter().map(|crossing| (crossing.parameters, Some(crossing.point))).collect();
+        for (i, pick) in pairs[a].iter().enumerate() {
+            for (j, other_pick) in pairs[b].iter().enumerate() {
+                if pick == other_pick {
+                    let at = |line: &Polyline, end: usize| if end == 0 { 0.0 } else { end_of(line) };
+                    shared.push(([at(one, i), at(other, j)], None));
+                }
+            }
+        }
+        shared.sort_by(|p, q| p.0[0].total_cmp(&q.0[0]));
+        for pair in shared.windows(2) {
+            let ([p, q], [s, t]) = (pair[0].0, pair[1].0);
+            // The first along the second's way, and the second along the first's.
+            detours.push(Detour { line: a, points: exchange(one, [p, s], other, [q, t], [pair[0].1, pair[1].1]) });
+            let is_same_way = q < t;
+            let (from, to) = if is_same_way { (0, 1) } else { (1, 0) };
+            let (own, theirs) = ([[q, t][from], [q, t][to]], [[p, s][from], [p, s][to]]);
+            let joints = [pair[from].1, pair[to].1];
+            detours.push(Detour { line: b, points: exchange(other, own, one, theirs, joints) });
+        }
+    }
+    detours
+}
+
+fn end_of(line: &Polyline) -> f64 {
+    (line.points.len() - 1) as f64
+}
+
+/// `line` with its stretch between two parameters replaced by another line's.
+fn exchange(
+    line: &Polyline,
+    own: [f64; 2],
+    other: &Polyline,
+    theirs: [f64; 2],
+    joints: [Option<SurfacePoint>; 2],
+) -> Vec<SurfacePoint> {
+    let mut points = stretch(line, 0.0, own[0]);
+    points.extend(joints[0]);
+    points.extend(stretch(other, theirs[0], theirs[1]));
+    points.extend(joints[1]);
+    points.extend(stretch(line, own[1], end_of(line)));
+    points
+}
+
+/// Points of a line from one parameter to another, backwards where the second is less.
+fn stretch(line: &Polyline, from: f64, to: f64) -> Vec<SurfacePoint> {
+    let (low, high) = (from.min(to).ceil() as usize, from.max(to).floor() as usize);
+    let mut points = if low <= high { line.surface_points[low..=high].to_vec() } else { Vec::new() };
+    if from > to {
+        points.reverse();
+    }
+    points
+}
