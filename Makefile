@@ -9,11 +9,15 @@ PYTHON_NEWEST ?= $(shell for p in python3.13 $(HOME)/.pyenv/versions/3.13*/bin/p
 
 VENV := .venv
 NEWEST := .venv-newest
+RELEASE := .venv-release
 BENCH := .venv-bench
 # What the benchmark compares with and draws with, beside what requirements-dev.txt has; what cannot be had is left out.
 BENCH_PEERS := matplotlib==3.11.2 meshlib==3.1.4.297 libigl==2.6.3
 BIN := $(VENV)/bin
 WHEELS := dist/wheels
+RELEASE_WHEELS := dist/release-wheels
+# The wheel that is shipped runs on every Linux since 2014; elsewhere the system's own compiler does.
+RELEASE_OPTIONS := $(if $(filter Linux,$(shell uname -s)),--zig --compatibility manylinux2014)
 STEP = @printf '\n=== %s\n'
 
 RUST_SOURCES := $(shell find rust -type f -not -path '*/target/*' -not -name '*.pyc' -not -name '*.so' 2>/dev/null)
@@ -26,7 +30,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help setup dev demo images test test-rust test-native test-addon test-batch test-newest test-package test-render \
-    test-gui bench fmt lint wheel extension clean
+    test-gui test-package-all bench fmt lint wheel release-wheel extension repository clean
 
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -49,6 +53,12 @@ $(NEWEST)/.requirements.stamp: requirements-dev.txt
 	@$(PYTHON_NEWEST) -m venv $(NEWEST)
 	$(NEWEST)/bin/pip install --only-binary :all: -r requirements-dev.txt
 	@$(NEWEST)/bin/python blender_scripts/check_blender.py
+	@touch $@
+
+$(RELEASE)/.requirements.stamp: requirements-release.txt
+	$(STEP) "Setting up $(RELEASE) for the wheel that is shipped (downloads about 90 MB)"
+	@$(PYTHON) -m venv $(RELEASE)
+	$(RELEASE)/bin/pip install --quiet --only-binary :all: -r requirements-release.txt
 	@touch $@
 
 $(BENCH)/.requirements.stamp: requirements-dev.txt Makefile
@@ -80,9 +90,23 @@ $(NEWEST)/.wheel.stamp: $(NEWEST)/.requirements.stamp $(WHEELS)/.built.stamp
 	$(NEWEST)/bin/pip install --quiet --force-reinstall --no-deps --no-index $(WHEELS)/*.whl
 	@touch $@
 
-extension: $(VENV)/.wheel.stamp ## build and validate the Blender extension (zip) for this platform, into dist/
+release-wheel: $(RELEASE_WHEELS)/.built.stamp ## build the wheel that is shipped, for old systems too, and audit it
+
+$(RELEASE_WHEELS)/.built.stamp: $(RELEASE)/.requirements.stamp $(WHEEL_INPUTS)
+	$(STEP) "Building the wheel that is shipped"
+	@rm -rf $(RELEASE_WHEELS)
+	PATH="$(CURDIR)/$(RELEASE)/bin:$$PATH" $(RELEASE)/bin/maturin build --release --interpreter $(RELEASE)/bin/python \
+	    $(RELEASE_OPTIONS) --out $(RELEASE_WHEELS)
+	$(RELEASE)/bin/abi3audit --strict --verbose $(RELEASE_WHEELS)/*.whl
+	@touch $@
+
+extension: $(RELEASE_WHEELS)/.built.stamp $(VENV)/.requirements.stamp ## build, audit and validate the Blender extension (zip) for this platform, into dist/
 	$(STEP) "Building the extension"
-	$(BIN)/python blender_scripts/build_extension.py --wheels $(WHEELS) --output dist
+	$(BIN)/python blender_scripts/build_extension.py --wheels $(RELEASE_WHEELS) --output dist
+
+repository: extension ## a folder to put on a web server: Blender installs and updates the extension from there (dist/repository)
+	$(STEP) "Building the extension repository"
+	$(BIN)/python blender_scripts/build_repository.py --zips dist --output dist/repository
 
 # --- trying it --------------------------------------------------------------------------------------------
 
@@ -118,9 +142,18 @@ test-batch: $(VENV)/.wheel.stamp ## tests of the batch: runs killed, crashed, ou
 	$(STEP) "Tests of the batch"
 	$(BIN)/python -m pytest tests/batch
 
-test-package: $(VENV)/.wheel.stamp ## the rules of the repository; the extension zip: built, validated, installed
+test-package: $(VENV)/.wheel.stamp extension ## the rules; the extension that is shipped: built, audited, validated, installed in Blenders, run
 	$(STEP) "Tests of the rules and of the extension package"
 	$(BIN)/python -m pytest tests/rules tests/package
+
+# Each is a download of 374 MB and 15 seconds to install.
+test-package-all: test-package ## the same in the Blenders between the oldest and the newest, too: 4.5 and 5.0
+	@for version in 4.5.15 5.0.1; do \
+	    folder=.venv-blender-$$version; \
+	    [ -e $$folder/.stamp ] || { $(PYTHON) -m venv $$folder && \
+	        $$folder/bin/pip install --quiet --only-binary :all: bpy==$$version numpy==1.26.4 pytest && touch $$folder/.stamp; } && \
+	    printf '\n=== Blender %s\n' $$version && $$folder/bin/python -m pytest tests/package/test_installs.py || exit 1; \
+	done
 
 test-render: $(VENV)/.wheel.stamp ## the demo, with small pictures that are looked at
 	$(STEP) "Tests of the demo and its pictures"
@@ -188,4 +221,4 @@ lint: $(VENV)/.requirements.stamp ## formats, clippy, rustdoc, ruff: no change, 
 
 clean: ## remove everything that was built, and the virtual environments
 	cargo clean
-	rm -rf $(VENV) $(NEWEST) $(BENCH) .blender dist out .pytest_cache .ruff_cache
+	rm -rf $(VENV) $(NEWEST) $(RELEASE) $(BENCH) .blender dist out .pytest_cache .ruff_cache

@@ -34,7 +34,7 @@ def run_item_on_node(scripts: str, setup: dict[str, Any], item_values: dict[str,
 class Cluster:
     """The Dask cluster at `address`, as something that runs items."""
 
-    def __init__(self, job: Job, address: str, blender: str | None) -> None:
+    def __init__(self, job: Job, address: str, blender: str | None, profile: str | None) -> None:
         try:
             import distributed
         except ImportError as error:
@@ -46,7 +46,7 @@ class Cluster:
             self._client = distributed.Client(address, timeout=CONNECT_SECONDS)
         except (OSError, ValueError, TimeoutError) as error:
             raise JobError(f"--scheduler {address}: no Dask scheduler answers there ({error})") from error
-        self._setup = {**job.setup, "blender": blender}
+        self._setup = {**job.setup, "blender": blender, "profile": profile}
 
     def start_first(self) -> dict[str, Any]:
         """Wait for a node; what is known of it."""

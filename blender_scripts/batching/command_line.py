@@ -58,6 +58,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--shard", default="1/1", metavar="I/N", help="only every N-th file, from the I-th on")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="run on the Dask cluster with this scheduler")
     parser.add_argument("--blender", metavar="PROGRAM", help="the Blender that the workers run (this one)")
+    parser.add_argument(
+        "--profile", metavar="FOLDER", help="Blender's user settings with the extension (with bpy: none)"
+    )
     parser.add_argument("--retry", action="store_true", help="do again what failed, whatever the reason was")
     parser.add_argument("--report", action="store_true", help="write the report of what is there; make nothing")
     parser.add_argument("--failures-ok", action="store_true", help="exit code 0 also when files failed")
@@ -106,10 +109,13 @@ def run_with_lock(
         if options.scheduler:
             from .cluster import Cluster
 
-            workforce, what = Cluster(job, options.scheduler, blender), f"on the cluster at {options.scheduler}"
+            workforce, what = (
+                Cluster(job, options.scheduler, blender, options.profile),
+                f"on the cluster at {options.scheduler}",
+            )
         else:
             label = f"{shard.number}-of-{shard.count}"
-            workforce = LocalPool(job, find_worker_command(blender), options.jobs, label)
+            workforce = LocalPool(job, find_worker_command(blender), options.jobs, label, options.profile)
             what = f"in {options.jobs} processes" if options.jobs > 1 else "in one process"
         progress = Progress(len(state.to_do), len(state.notes), is_quiet=options.quiet)
         try:

@@ -16,10 +16,13 @@ from .worker_process import WorkerProcess, WorkerStartError
 class LocalPool:
     """As many workers as asked for, each a process with one file's mesh in it at a time."""
 
-    def __init__(self, job: Job, command: list[str], count: int, label: str) -> None:
+    def __init__(self, job: Job, command: list[str], count: int, label: str, profile: str | None) -> None:
         logs = job.output / STATE_FOLDER / "logs"
         self._limits = job.values["limits"]
-        self._workers = [WorkerProcess(command, job.setup, logs / f"worker-{label}-{k + 1}.log") for k in range(count)]
+        self._workers = [
+            WorkerProcess(command, {**job.setup, "profile": profile}, logs / f"worker-{label}-{k + 1}.log")
+            for k in range(count)
+        ]
         self._is_stopped = threading.Event()
 
     def start_first(self) -> dict[str, Any]:

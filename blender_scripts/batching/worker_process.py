@@ -40,7 +40,8 @@ def find_worker_command(blender: str | None) -> list[str]:
         return [blender, "--background", "--python-exit-code", "3", "--python", str(SCRIPT)]
     import sys
 
-    return [sys.executable, "-u", str(SCRIPT)]
+    same = ["-S"] if sys.flags.no_site else []
+    return [sys.executable, "-u", *same, str(SCRIPT)]
 
 
 class WorkerProcess:
@@ -48,7 +49,7 @@ class WorkerProcess:
 
     def __init__(self, command: list[str], setup: dict[str, Any], log: Path) -> None:
         self._command = command
-        self._setup = setup  # "job", "output" and "fingerprint": what holds for all files
+        self._setup = setup  # "job", "output", "fingerprint", "profile": what holds for all files
         self.limits = setup["job"]["limits"]
         self.output = Path(setup["output"])
         self._log_path = log
@@ -68,6 +69,8 @@ class WorkerProcess:
         self._log_path.parent.mkdir(parents=True, exist_ok=True)
         is_long = self._log_path.exists() and self._log_path.stat().st_size > LOG_LIMIT
         environment = {**os.environ, "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8:backslashreplace"}
+        if self._setup["profile"] is not None:
+            environment["BLENDER_USER_RESOURCES"] = os.path.abspath(self._setup["profile"])
         with open(self._log_path, "wb" if is_long else "ab") as log:
             try:
                 self._process = subprocess.Popen(

@@ -92,7 +92,15 @@ def test_a_task_for_each_shard_and_then_the_report(told):
         assert command["name"] == "exec"
         assert command["parameters"]["exe"] == "{blender}"
         assert command["parameters"]["args"] == [
-            *("--background", "--python-exit-code", "3", "--python", "/srv/studio/batch.py", "--", "/srv/studio/job.json"),
+            *(
+                "--background",
+                "--python-exit-code",
+                "3",
+                "--python",
+                "/srv/studio/batch.py",
+                "--",
+                "/srv/studio/job.json",
+            ),
             *("--shard", f"{number}/3", "--jobs", "1", "--failures-ok"),
         ]
 

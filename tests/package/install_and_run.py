@@ -1,7 +1,7 @@
-"""Run by test_extension.py in a fresh process: installs the zip into an empty profile and runs the operator.
+"""Run by tests in a fresh process, or in a Blender: installs the zip into an empty profile and runs the operator.
 
-Argument: the zip. BLENDER_USER_RESOURCES: the empty profile. Prints one line of JSON, beginning with RESULT.
-Holds no assertions; the test judges what is printed.
+Argument: the zip, or `-` where it has been installed already. BLENDER_USER_RESOURCES: the empty profile. Prints one line
+of JSON, beginning with RESULT. Holds no assertions; the test judges what is printed.
 """
 
 import json
@@ -17,7 +17,9 @@ EXTENSION = "bl_ext.user_default.smooth_polylines"
 
 
 def main(path):
-    installed = bpy.ops.extensions.package_install_files(filepath=path, repo="user_default", enable_on_install=True)
+    installed = {"FINISHED"}
+    if path != "-":
+        installed = bpy.ops.extensions.package_install_files(filepath=path, repo="user_default", enable_on_install=True)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_monkey_add()
     bpy.ops.object.mode_set(mode="EDIT")
@@ -48,7 +50,7 @@ def main(path):
 
 if __name__ == "__main__":
     try:
-        main(sys.argv[1])
+        main(sys.argv[-1])
     except BaseException:
         # Written here, because the exit below, which spares bpy's destructors, would lose it.
         import traceback

@@ -21,12 +21,16 @@ class NoAddonError(Exception):
     """There is no add-on to work with; the message says what to do."""
 
 
-def load_addon() -> str:
-    """The name of the add-on's package, enabled and with its library loaded; NoAddonError otherwise."""
-    name = enable_extension() if bpy.app.binary_path else register_source()
+def load_addon(*, is_installed: bool) -> str:
+    """The name of the add-on's package, enabled and with its library loaded; NoAddonError otherwise.
+
+    is_installed : it is the extension installed in this Blender, and not the sources beside these scripts
+    """
+    name = enable_extension() if is_installed else register_source()
     native = importlib.import_module(f"{name}.native")
     try:
-        native.load_library()
+        library = native.load_library()
+        print(f"library {library.__version__} from {library.__file__}", flush=True)
     except Exception as error:
         raise NoAddonError(str(error)) from error
     found = native.read_extension_version()

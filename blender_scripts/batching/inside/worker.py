@@ -30,7 +30,7 @@ def main() -> int:
         answers.write(b"\n" + MARK + json.dumps(message).encode("ascii") + b"\n")
 
     start = requests.get()
-    if "bpy" not in sys.modules:
+    if "bpy" not in sys.modules and start["profile"] is None:
         # Before bpy is imported: a user's own Blender settings and add-ons have no part in it.
         profile = tempfile.TemporaryDirectory(prefix="smooth-polylines-batch-")
         os.environ["BLENDER_USER_RESOURCES"] = profile.name
@@ -45,7 +45,7 @@ def main() -> int:
     from batching.inside import addon_door, process_file
 
     try:
-        package = addon_door.load_addon()
+        package = addon_door.load_addon(is_installed=bool(bpy.app.binary_path) or start["profile"] is not None)
     except addon_door.NoAddonError as error:
         answer({"refused": str(error)})
         return 1
