@@ -82,6 +82,13 @@ def set_active_names(mesh: bpy.types.Mesh, names: tuple[str | None, str | None])
         mesh.attributes.default_color_name = default
 
 
+def check_mode(mesh_object: bpy.types.Object) -> None:
+    """ObjectError in modes, such as Sculpt Mode, that hold the mesh in a form of their own."""
+    if mesh_object.mode not in {"OBJECT", "EDIT"}:
+        mode = mesh_object.mode.replace("_", " ").title()
+        raise ObjectError(f"{mesh_object.name} is in {mode} Mode; go to Object Mode or Edit Mode first")
+
+
 def check_changeable(mesh_object: bpy.types.Object, what: str) -> None:
     """ObjectError when the base mesh must not be changed: levels of a Multiresolution modifier hang on it."""
     if any(modifier.type == "MULTIRES" for modifier in mesh_object.modifiers):

@@ -18,6 +18,7 @@ import bmesh
 from .. import line_points, mesh_read, session, surface
 from ..errors import AddonError
 from . import align, apply_cut, edge_marks, edit, line_sources, slide, topology
+from . import unwrap as unwrapping
 
 METHODS = ("SNAP", "SLIDE", "CUT")
 # The library's own, as a part of an edge or of a triangle's height.
@@ -74,6 +75,9 @@ def put_lines_into_mesh(
         raise AddonError(f"method is {method!r}; it must be one of {', '.join(METHODS)}")
     chosen = edge_marks.check_marks(marks)
     session.check_object(mesh_object)
+    edit.check_mode(mesh_object)
+    if unwrap:
+        unwrapping.check_unwrappable(context, mesh_object)
     if method != "SNAP":
         edit.check_changeable(mesh_object, "cut" if method == "CUT" else "moved")
     opened = surface.open_surface(context, mesh_object)
@@ -87,8 +91,6 @@ def put_lines_into_mesh(
     if method != "SNAP":
         result.sharing = edit.find_sharing_objects(mesh_object)
     if unwrap:
-        from . import unwrap as unwrapping
-
         result.islands = unwrapping.unwrap_and_measure(context, mesh_object)
     return result
 

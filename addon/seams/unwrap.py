@@ -10,6 +10,8 @@ import numpy as np
 
 import bpy
 
+import bmesh
+
 from .. import mesh_read
 from ..errors import ObjectError
 
@@ -54,8 +56,7 @@ def unwrap_and_measure(
     The selection stays as it was. Runs Blender's own operator, in Edit Mode, of which there is no other form.
     """
     mesh = mesh_object.data
-    if len(mesh.polygons) == 0 and not mesh.is_editmode:
-        raise ObjectError(f"{mesh_object.name} has no faces to unwrap")
+    check_unwrappable(context, mesh_object)
     run_unwrap(context, mesh_object, method)
     with mesh_read.open_current_mesh(mesh_object) as current:
         measured = measure_islands(current)
@@ -69,23 +70,47 @@ def unwrap_and_measure(
     return measured
 
 
+def check_unwrappable(context: bpy.types.Context, mesh_object: bpy.types.Object) -> None:
+    """ObjectError when Blender's operator could not be run on the mesh."""
+    mesh = mesh_object.data
+    if mesh.is_editmode:
+        return
+    if len(mesh.polygons) == 0:
+        raise ObjectError(f"{mesh_object.name} has no faces to unwrap")
+    if context.mode != "OBJECT" or not mesh_object.visible_get(view_layer=context.view_layer):
+        raise ObjectError(
+            f"{mesh_object.name} cannot be unwrapped: it must be visible, and Blender in Object Mode, or the mesh in "
+            "Edit Mode; show it, or turn Unwrap off"
+        )
+
+
 def run_unwrap(context: bpy.types.Context, mesh_object: bpy.types.Object, method: str) -> None:
     """Blender's unwrapping of every visible face, from whatever mode; mode, selection and active object stay."""
     view_layer = context.view_layer
     was_editing, active = mesh_object.data.is_editmode, view_layer.objects.active
     if not was_editing:
+        selected_objects = list(context.selected_objects)
+        for other in selected_objects:
+            other.select_set(False)
         view_layer.objects.active = mesh_object
-    with context.temp_override(object=mesh_object, active_object=mesh_object, selected_objects=[mesh_object]):
-        if not was_editing:
-            bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.object.mode_set(mode="EDIT")
     try:
-        selected = read_selection(mesh_object)
+        # Others in Edit Mode keep their maps: only what is selected is unwrapped.
+        edited = [o for o in context.objects_in_mode_unique_data if o.type == "MESH"]
+        selected = {o: read_selection(o) for o in edited}
         bpy.ops.mesh.select_all(action="SELECT")
+        for other in edited:
+            if other.data != mesh_object.data:
+                deselect_all(other)
         bpy.ops.uv.unwrap(method=method, margin=0.005)
-        restore_selection(mesh_object, selected)
+        bpy.ops.mesh.select_all(action="DESELECT")
+        for other in edited:
+            restore_selection(other, selected[other])
     finally:
         if not was_editing:
             bpy.ops.object.mode_set(mode="OBJECT")
+            for other in selected_objects:
+                other.select_set(True)
             view_layer.objects.active = active
 
 
@@ -100,11 +125,20 @@ def read_selection(mesh_object: bpy.types.Object) -> dict[str, np.ndarray]:
         return found
 
 
-def restore_selection(mesh_object: bpy.types.Object, selected: dict[str, np.ndarray]) -> None:
-    """Select this, and nothing else."""
-    import bmesh
+def deselect_all(mesh_object: bpy.types.Object) -> None:
+    """Select nothing of one mesh in Edit Mode."""
+    edited = bmesh.from_edit_mesh(mesh_object.data)
+    for face in edited.faces:
+        face.select = False
+    for edge in edited.edges:
+        edge.select = False
+    for vertex in edited.verts:
+        vertex.select = False
+    bmesh.update_edit_mesh(mesh_object.data, loop_triangles=False, destructive=False)
 
-    bpy.ops.mesh.select_all(action="DESELECT")
+
+def restore_selection(mesh_object: bpy.types.Object, selected: dict[str, np.ndarray]) -> None:
+    """Select this of a mesh of which nothing is selected."""
     edited = bmesh.from_edit_mesh(mesh_object.data)
     for items, name in ((edited.verts, "vertices"), (edited.edges, "edges"), (edited.faces, "polygons")):
         if selected[name].any():

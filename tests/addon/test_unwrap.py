@@ -102,6 +102,38 @@ def test_seams_part_the_islands_and_all_else_is_as_it_was(scene, unwrap, is_edit
         np.testing.assert_allclose(written, found.face_angle_stretch, rtol=1e-6)
 
 
+def test_other_meshes_in_edit_mode_keep_their_maps_and_selection(scene, unwrap):
+    grids = [add_grid(6, 4, name=name) for name in ("Mine", "Other")]
+    for grid in grids:
+        set_uvs(grid.data, lambda _, co: (0.01 * co.x, 0.03 * co.y))
+        grid.data.polygons.foreach_set("select", np.arange(24) % 5 == 0)
+        grid.select_set(True)
+    bpy.context.view_layer.objects.active = grids[0]
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    (island,) = unwrap.unwrap_and_measure(bpy.context, grids[0]).islands
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert island.angle_stretch == pytest.approx(1, abs=1e-3)
+    assert unwrap.measure_islands(grids[1].data).islands[0].angle_stretch == pytest.approx(3, rel=1e-5)
+    for grid in grids:
+        assert [p.index for p in grid.data.polygons if p.select] == [0, 5, 10, 15, 20]
+
+
+def test_what_cannot_be_unwrapped_is_refused_before_anything_is_cut(scene, unwrap, seams):
+    grid = add_grid(6, 4)
+    line = np.array([(0.3, 0.4, 0), (4.6, 3.4, 0)])
+    grid.hide_set(True)
+    with pytest.raises(unwrap.ObjectError, match="must be visible"):
+        seams.put.put_lines_into_mesh(bpy.context, grid, [line], unwrap=True)
+    grid.hide_set(False)
+    bpy.context.view_layer.objects.active = grid
+    bpy.ops.object.mode_set(mode="SCULPT")
+    with pytest.raises(unwrap.ObjectError, match="Grid is in Sculpt Mode"):
+        seams.put.put_lines_into_mesh(bpy.context, grid, [line])
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(grid.data.vertices) == 35
+
+
 def test_a_ball_in_one_piece_is_stretched_and_less_in_two(scene, unwrap):
     bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12)
     ball = bpy.context.object
