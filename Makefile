@@ -18,6 +18,8 @@ WHEELS := dist/wheels
 RELEASE_WHEELS := dist/release-wheels
 # The wheel that is shipped runs on every Linux since 2014; elsewhere the system's own compiler does.
 RELEASE_OPTIONS := $(if $(filter Linux,$(shell uname -s)),--zig --compatibility manylinux2014)
+# The scan that the picture of a net shows; not a part of the project.
+NET_MESH ?= $(or $(SMOOTH_POLYLINES_MESHES),../shared/meshes)/igea.ply
 STEP = @printf '\n=== %s\n'
 
 RUST_SOURCES := $(shell find rust -type f -not -path '*/target/*' -not -name '*.pyc' -not -name '*.so' 2>/dev/null)
@@ -120,6 +122,7 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 	$(BIN)/python blender_scripts/demo.py --output out/images/fair --filter fair --width 960
 	@mkdir -p docs/images && cp out/images/demo.png docs/images/suzanne.png && cp out/images/fair/demo.png docs/images/fair.png
 	$(BIN)/python blender_scripts/seam_pictures.py --output docs/images
+	$(if $(wildcard $(NET_MESH)),$(BIN)/python blender_scripts/net_picture.py --mesh $(NET_MESH) --output docs/images,@echo "NOT MADE: docs/images/net.png, which needs the test mesh $(NET_MESH)")
 
 # --- checking ---------------------------------------------------------------------------------------------
 

@@ -6,12 +6,14 @@ import bpy
 from .operators.add_polyline import MESH_OT_smooth_polyline_add
 from .operators.copy_marks import MESH_OT_smooth_polyline_copy_marks, MESH_OT_smooth_polyline_mirror_marks
 from .operators.put_lines import MESH_OT_smooth_polyline_seam
+from .operators.put_net import MESH_OT_smooth_polyline_net
 
 
 def draw_face_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     """Edit Mode > Face."""
     menu.layout.separator()
     menu.layout.operator(MESH_OT_smooth_polyline_add.bl_idname)
+    menu.layout.operator(MESH_OT_smooth_polyline_net.bl_idname)
 
 
 def draw_context_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -12,6 +12,8 @@ from .errors import SelectionError
 
 # Fewer give no line that could be seen.
 LEAST_PICKS = 2
+# More selected faces are an area and no picks.
+MOST_UNORDERED_PICKS = 500
 
 HOW_TO_PICK = (
     "Deselect all (Alt A), then in face select mode (3) click the first face and Shift-click the others, "
@@ -42,6 +44,20 @@ def read_picks(mesh_object: bpy.types.Object) -> list[int]:
     if len(picks) < LEAST_PICKS:
         raise SelectionError(f"Only one face is selected; a line needs at least two. {HOW_TO_PICK}")
     return picks
+
+
+def read_selected_faces(mesh_object: bpy.types.Object) -> list[int]:
+    """Polygon ids of the selected faces, whatever way they were selected; SelectionError when they are no picks."""
+    mesh = mesh_object.data
+    count = mesh.total_face_sel if mesh.is_editmode else 0
+    if not LEAST_PICKS <= count <= MOST_UNORDERED_PICKS:
+        raise SelectionError(
+            f"{count} faces are selected on {mesh_object.name}; a net joins {LEAST_PICKS} to {MOST_UNORDERED_PICKS} "
+            "picks: in Edit Mode, face select mode (3), select one face for each"
+        )
+    edited = bmesh.from_edit_mesh(mesh)
+    edited.faces.index_update()
+    return [face.index for face in edited.faces if face.select]
 
 
 def list_picked_objects(context: bpy.types.Context) -> list[bpy.types.Object]:

@@ -5,6 +5,7 @@ import bpy
 
 from ..operators.copy_marks import MESH_OT_smooth_polyline_copy_marks, MESH_OT_smooth_polyline_mirror_marks
 from ..operators.put_lines import MESH_OT_smooth_polyline_seam
+from ..operators.put_net import MESH_OT_smooth_polyline_net
 from . import choose, settings
 
 
@@ -28,6 +29,8 @@ class VIEW3D_PT_smooth_polyline_seams(bpy.types.Panel):
         for method, name, _ in settings.METHODS:
             row.operator(MESH_OT_smooth_polyline_seam.bl_idname, text=name).method = method
         column = layout.column(align=True)
+        if context.mode == "EDIT_MESH":
+            column.operator(MESH_OT_smooth_polyline_net.bl_idname)
         column.operator(MESH_OT_smooth_polyline_mirror_marks.bl_idname)
         if context.mode == "OBJECT":
             column.operator(MESH_OT_smooth_polyline_copy_marks.bl_idname)

@@ -58,3 +58,31 @@ def list_islands(islands: Any) -> list[str]:
     ]
     left = len(islands.islands) - MOST_ISLANDS
     return [*rows, f"... and {left} smaller ones"] if left > 0 else rows
+
+
+def describe_net(done: Any) -> tuple[str, bool]:
+    """One sentence about a `nets.PutNet`, and whether it is a warning."""
+    count = len(done.sides)
+    parts = [
+        f"{len(done.lines.lines)} lines, {count} {'patch' if count == 1 else 'patches'}: "
+        f"{done.three_sided} of three sides, {done.four_sided} of four"
+    ]
+    if done.crossings_as_nodes:
+        parts.append(f"{done.crossings_as_nodes} crossings became picks")
+    if done.crossings:
+        parts.append(f"lines cross at {done.crossings} places, as the picks force them to")
+    if done.errors:
+        parts.append(f"{len(done.errors)} lines could not be made ({done.errors[0]})")
+    if done.lines.islands is not None:
+        parts.append(describe_islands(done.lines.islands))
+    if done.lines.sharing:
+        parts.append(f"the mesh has changed for {', '.join(done.lines.sharing)} too")
+    return "; ".join(parts), bool(done.crossings or done.errors or done.lines.sharing)
+
+
+def list_sides(sides: Any) -> list[str]:
+    """How many patches have how many sides, a row a number of sides."""
+    counts: dict[int, int] = {}
+    for number in sorted(int(side) for side in sides):
+        counts[number] = counts.get(number, 0) + 1
+    return [f"Patches of {number} sides: {count}" for number, count in counts.items()]
