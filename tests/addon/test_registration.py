@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,7 +12,15 @@ import addon_utils
 
 from blender_scenes import SUZANNE_PICKS, count_data, pick_faces
 
-MENUS = ("VIEW3D_MT_edit_mesh_faces", "VIEW3D_MT_edit_mesh_context_menu")
+ADD = "mesh.smooth_polyline_add"
+OPERATORS = {
+    "VIEW3D_MT_edit_mesh_faces": [ADD, "mesh.smooth_polyline_net"],
+    "VIEW3D_MT_edit_mesh_context_menu": [ADD],
+    "VIEW3D_MT_edit_mesh_edges": ["mesh.smooth_polyline_seam", "mesh.smooth_polyline_mirror_marks"],
+    "VIEW3D_MT_object": ["mesh.smooth_polyline_seam"],
+    "VIEW3D_MT_make_links": ["mesh.smooth_polyline_copy_marks"],
+}
+MENUS = tuple(OPERATORS)
 EXTENSION = "bl_ext.user_default.smooth_polylines"
 
 
@@ -46,7 +55,7 @@ def test_menu_entry_draws_the_operator(suzanne, menu):
     (draw,) = find_entries(menu)
     recorder = MenuRecorder()
     draw(recorder, bpy.context)
-    assert recorder.layout.operators == ["mesh.smooth_polyline_add"]
+    assert recorder.layout.operators == OPERATORS[menu]
 
 
 def test_context_menu_is_quiet_while_vertices_are_selected(suzanne):
@@ -60,11 +69,11 @@ def test_context_menu_is_quiet_while_vertices_are_selected(suzanne):
 def test_disable_takes_everything_back_and_enable_brings_it_again(suzanne):
     addon_utils.disable(EXTENSION, default_set=False)
     try:
-        assert [find_entries(menu) for menu in MENUS] == [[], []]
+        assert [find_entries(menu) for menu in MENUS] == [[] for _ in MENUS]
         assert not hasattr(bpy.types, "MESH_OT_smooth_polyline_add")
     finally:
         assert addon_utils.enable(EXTENSION, default_set=False) is not None
-    assert [len(find_entries(menu)) for menu in MENUS] == [1, 1]
+    assert [len(find_entries(menu)) for menu in MENUS] == [1 for _ in MENUS]
 
 
 def test_half_failed_registration_leaves_nothing_and_can_be_repeated(extension, monkeypatch):
@@ -79,7 +88,7 @@ def test_half_failed_registration_leaves_nothing_and_can_be_repeated(extension, 
         with pytest.raises(RuntimeError, match="menus broke"):
             package.register()
     assert not hasattr(bpy.types, "MESH_OT_smooth_polyline_add")
-    assert [find_entries(menu) for menu in MENUS] == [[], []]
+    assert [find_entries(menu) for menu in MENUS] == [[] for _ in MENUS]
     package.unregister()  # once more does no harm
     package.register()
     assert hasattr(bpy.types, "MESH_OT_smooth_polyline_add")
@@ -157,3 +166,36 @@ def test_library_of_another_version_is_refused(suzanne, monkeypatch):
     monkeypatch.setattr(smooth_polylines, "__version__", "99.0.0")
     with pytest.raises(RuntimeError, match=r"loaded is version 99\.0\.0.*Restart Blender"):
         bpy.ops.mesh.smooth_polyline_add()
+
+
+class PanelRecorder(LayoutRecorder):
+    """A layout that also takes rows, properties and labels, and gives the operators' properties."""
+
+    def row(self, **_):
+        return self
+
+    column = row
+
+    def operator(self, name, **_):
+        self.operators.append(name)
+        return SimpleNamespace()
+
+    def prop(self, holder, name, **_):
+        assert name in holder.bl_rna.properties, name
+
+    def label(self, **_):
+        pass
+
+
+def test_seams_panel_offers_what_the_mode_allows(suzanne):
+    panel = bpy.types.VIEW3D_PT_smooth_polyline_seams
+    methods = ["mesh.smooth_polyline_seam"] * 3
+    for mode, others in (
+        ("EDIT", ["mesh.smooth_polyline_net", "mesh.smooth_polyline_mirror_marks"]),
+        ("OBJECT", ["mesh.smooth_polyline_mirror_marks", "mesh.smooth_polyline_copy_marks"]),
+    ):
+        bpy.ops.object.mode_set(mode=mode)
+        assert panel.poll(bpy.context)
+        layout = PanelRecorder()
+        panel.draw(SimpleNamespace(layout=layout), bpy.context)
+        assert layout.operators == methods + others
