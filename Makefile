@@ -32,7 +32,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help setup dev demo images test test-rust test-native test-addon test-batch test-newest test-package test-render \
-    test-gui test-package-all bench fmt lint wheel release-wheel extension repository clean
+    test-gui test-batch-large test-package-all bench fmt lint wheel release-wheel extension repository clean
 
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -144,6 +144,10 @@ test-addon: $(VENV)/.wheel.stamp ## tests of the add-on, in the oldest Blender t
 test-batch: $(VENV)/.wheel.stamp ## tests of the batch: runs killed, crashed, out of room, on clusters; bad jobs; every kind of input
 	$(STEP) "Tests of the batch"
 	$(BIN)/python -m pytest tests/batch
+
+test-batch-large: $(VENV)/.wheel.stamp ## 200 files with 10 broken ones, killed in the middle and started again: byte-equal (some minutes; not in make test)
+	$(STEP) "The big batch"
+	SMOOTH_POLYLINES_LARGE=1 $(BIN)/python -m pytest tests/batch/test_large.py
 
 test-package: $(VENV)/.wheel.stamp extension ## the rules; the extension that is shipped: built, audited, validated, installed in Blenders, run
 	$(STEP) "Tests of the rules and of the extension package"

@@ -133,6 +133,8 @@ def list_reference_faults(value: dict[str, Any]) -> list[str]:
         faults.append("import: forward and up belong together; give both or neither")
     elif axes["up"] is not None and axes["up"][-1] == axes["forward"][-1]:
         faults.append(f"import: forward {axes['forward']} and up {axes['up']} lie on one axis")
+    if "seams" in value.get("make", {}) and value.get("source") == "evaluated":
+        faults.append('make.seams: lines on what modifiers make cannot be put into the mesh; leave out "source"')
     if value.get("make", {}).get("unwrap") is not None and "seams" not in value["make"]:
         faults.append('make.unwrap: needs seams to unwrap along; add "seams"')
     return faults
@@ -161,7 +163,10 @@ def fill_in(value: dict[str, Any]) -> dict[str, Any]:
         "source": value.get("source", "base"),
         "search_radius": value.get("search_radius"),
         "lines": [complete(line) for line in value.get("lines", [])],
-        "nets": [{"connections": "all", **complete(net), "closed": False} for net in value.get("nets", [])],
+        "nets": [
+            {"connections": "all", "avoid_crossings": None, **complete(net), "closed": False}
+            for net in value.get("nets", [])
+        ],
         "make": value.get("make", {"curves": {}}),
         "outputs": outputs,
         "limits": {**DEFAULT_LIMITS, **value.get("limits", {})},

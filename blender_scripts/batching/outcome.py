@@ -26,7 +26,6 @@ ADVICE = {
     "PickError": "correct the pick in the job, or the mark on the mesh",
     "GuideError": "correct the name of the guide in the job, or draw it nearer to the surface",
     "NoUVMapError": "unwrap the mesh, or leave out svg",
-    "NotSupportedError": "leave it out of the job, or use a newer version of Smooth Polylines",
     "DiskFullError": "make room, then start the same command again: it goes on where it was",
     "InternalError": "this is a defect of Smooth Polylines: please report it with the worker's log",
 }

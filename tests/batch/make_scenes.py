@@ -150,8 +150,14 @@ def look(path):
                 "closed": spline.use_cyclic_u,
                 "bevel": each.data.bevel_depth,
             }
+    meshes = {}
+    for each in bpy.data.objects:
+        if each.type == "MESH":
+            places = [vertex.co[:2] for vertex in each.data.vertices]
+            seams = [[list(places[v]) for v in edge.vertices] for edge in each.data.edges if edge.use_seam]
+            meshes[each.name] = {"vertices": len(places), "seams": seams}
     names = sorted(o.name for o in bpy.data.objects)
-    print("RESULT", json.dumps({"curves": curves, "objects": names}), flush=True)
+    print("RESULT", json.dumps({"curves": curves, "objects": names, "meshes": meshes}), flush=True)
 
 
 if __name__ == "__main__":

@@ -62,6 +62,10 @@ BAD = {
     "true for a number": (change(*LINE, "support", to=True), "lines[0].support: expected a whole number, found true"),
     "detail size of another filter": (change(*LINE, "detail_size", to=1), 'is of the filter "fair", but the filter is'),
     "closed through two": (change(*LINE, "closed", to=True), "a closed line needs 3 picks or more, found 2"),
+    "seams on what modifiers make": (
+        json.dumps({**GOOD, "source": "evaluated", "make": {"seams": {"method": "cut"}}}),
+        "make.seams: lines on what modifiers make cannot be put into the mesh",
+    ),
     "unwrap without seams": (change("make", to={"unwrap": {}}), "needs seams to unwrap along"),
     "one axis": (change("import", to={"up": "z"}), "forward and up belong together"),
     "both on one axis": (change("import", to={"up": "z", "forward": "-z"}), "lie on one axis"),

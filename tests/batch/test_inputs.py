@@ -106,7 +106,7 @@ def plane(scenes):
     nets = [
         {"name": "net", "filter": "geodesic", "picks": [0, 19, 399, 380], "connections": "all"},
         {"name": "two", "filter": "geodesic", "picks": [0, 19, 399], "connections": [[0, 1], [1, 2]]},
-        {"name": "auto", "picks": [0, 19, 399], "connections": "automatic"},
+        {"name": "auto", "filter": "geodesic", "picks": [0, 19, 399, 380, 190], "connections": "automatic"},
     ]
     job = jobs.write_job(
         scenes / "plane.json",
@@ -128,13 +128,13 @@ def plane(scenes):
     results = scenes / "out plane" / "scene.blend"
     written = json.loads((results / "lines.json").read_text(encoding="utf-8"))
     lines = {line["line"]: line for line in written["lines"]}
-    entries = {entry["line"]: entry for entry in jobs.read_report(scenes / "out plane")}
-    return results, lines, entries
+    report = jobs.read_report(scenes / "out plane")
+    return results, lines, {entry["line"]: entry for entry in report if entry["line"] is not None}, report
 
 
 @pytest.mark.parametrize("name", PLANE_LINES)
 def test_picks_and_guides_are_where_they_should_be(plane, name):
-    _, lines, entries = plane
+    _, lines, entries, _ = plane
     _, start, end = PLANE_LINES[name]
     points = np.array(lines[name]["points"])
     np.testing.assert_allclose(points[0], [*start, 0], atol=1e-6)
@@ -147,7 +147,7 @@ def test_picks_and_guides_are_where_they_should_be(plane, name):
 
 @pytest.mark.parametrize("name", PLANE_FAULTS)
 def test_what_cannot_be_found_is_an_entry_with_advice(plane, name):
-    _, lines, entries = plane
+    _, lines, entries, _ = plane
     _, error, message = PLANE_FAULTS[name]
     assert name not in lines
     assert entries[name]["status"] == "failed"
@@ -157,7 +157,7 @@ def test_what_cannot_be_found_is_an_entry_with_advice(plane, name):
 
 
 def test_pins_nets_and_closed_guides(plane):
-    _, lines, entries = plane
+    _, lines, entries, report = plane
     middle = [(210 % 20 + 0.5) / 20, (210 // 20 + 0.5) / 20, 0]
     nearest = {n: np.linalg.norm(np.array(lines[n]["points"]) - middle, axis=1).min() for n in ("pinned", "hint")}
     assert nearest["pinned"] == pytest.approx(2**0.5 / 120, rel=1e-4)  # from the middle of a square to that of its half
@@ -166,7 +166,14 @@ def test_pins_nets_and_closed_guides(plane):
     assert [n for n in lines if n.startswith("net[")] == [f"net[{p}]" for p in pairs]
     assert lines["net[0-2]"]["length"] == pytest.approx(0.95 * 2**0.5, rel=1e-6)
     assert [n for n in lines if n.startswith("two[")] == ["two[0-1]", "two[1-2]"]
-    assert entries["auto"]["error"] == "NotSupportedError"
+    told = {entry["net"]: entry for entry in report if "net" in entry}
+    # Corners 0 and 1, 1 and 2 are nearer to the one in the middle than to each other half-way. Euler: 6 - 5 + 2.
+    assert [n for n in lines if n.startswith("auto[")] == [
+        f"auto[{p}]" for p in ("0-3", "0-4", "1-4", "2-3", "2-4", "3-4")
+    ]
+    assert (told["auto"]["patches"], told["auto"]["three_sided"], told["auto"]["crossings"]) == (3, 2, 0)
+    assert told["net"]["crossings"] == 1  # the two diagonals
+    assert entries["bezier"]["closed"]
     assert lines["bezier"]["closed"]
     radii = np.linalg.norm(np.array(lines["bezier"]["points"])[:, :2] - 0.5, axis=1)
     assert 0.27 < radii.min() < radii.max() < 0.32
@@ -174,7 +181,7 @@ def test_pins_nets_and_closed_guides(plane):
 
 
 def test_csv_and_npz_say_what_json_says(plane):
-    results, lines, _ = plane
+    results, lines, _, _ = plane
     with np.load(results / "lines.npz", allow_pickle=False) as arrays:
         npz = {name: arrays[name] for name in arrays.files}
     with (results / "lines.csv").open(encoding="utf-8", newline="") as file:
@@ -199,7 +206,7 @@ def test_csv_and_npz_say_what_json_says(plane):
 
 
 def test_blend_file_holds_the_curves_as_asked_for(plane):
-    results, lines, _ = plane
+    results, lines, _, _ = plane
     (told,) = run_maker("look", results / "result.blend")
     assert set(told["curves"]) == {line["curve"] for line in lines.values()}
     assert "Hacked" not in told["objects"]
@@ -215,7 +222,7 @@ def test_blend_file_holds_the_curves_as_asked_for(plane):
 
 
 def test_uv_layout_shows_borders_and_lines_where_they_are(plane):
-    results, _, _ = plane
+    results, _, _, _ = plane
     root = ET.fromstring((results / "uv-Plane.svg").read_text(encoding="utf-8"))
     groups = {p.get("class"): p.get("d") for p in root.iter() if p.get("class")}
     segments = {
@@ -234,7 +241,7 @@ def test_uv_layout_shows_borders_and_lines_where_they_are(plane):
 
 
 def test_picture_shows_the_lines_and_tells_no_time(plane):
-    results, _, _ = plane
+    results, _, _, _ = plane
     pixels, pieces = pictures.read_png(results / "preview.png")
     assert pixels.shape == (160, 200, 3)
     assert set(pieces) <= {b"IHDR", b"IDAT", b"IEND", b"sRGB", b"gAMA", b"pHYs", b"oFFs"}
@@ -319,3 +326,41 @@ def test_saved_by_a_newer_blender_is_said(scenes, tmp_path):
     (entry,) = jobs.read_report(tmp_path / "out")
     assert entry["error"] == "NewerBlenderError"
     assert "--blender" in entry["advice"]
+
+
+@pytest.mark.parametrize("method", ["snap", "slide", "cut"])
+def test_seams_and_unwrap(scenes, method):
+    """A line across the plane parts it in two islands; what the mesh then has is looked at in Blender."""
+    lines = [straight("across", {"point": [0.52, 0, 0]}, {"point": [0.47, 1, 0]}, objects=["Plane"])]
+    job = jobs.write_job(
+        scenes / f"{method}.json",
+        inputs=["scene.blend"],
+        search_radius=0.05,
+        lines=lines,
+        make={"seams": {"method": method, "marks": ["seam", "sharp"]}, "unwrap": {}},
+        outputs={"folder": f"out {method}", "formats": ["blend", "svg", "json"]},
+        **{"import": None},
+    )
+    done = jobs.run_batch(job)
+    assert done.returncode == 0, done.stdout + done.stderr
+    line, seams = jobs.read_report(scenes / f"out {method}")
+    assert (line["line"], line["status"], seams["status"]) == ("across", "done", "done")
+    assert seams["islands"] == 2
+    assert seams["flipped"] == 0
+    (told,) = run_maker("look", scenes / f"out {method}" / "scene.blend" / "result.blend")
+    mesh = told["meshes"]["Plane"]
+    assert len(mesh["seams"]) == seams["edges"]
+    assert mesh["vertices"] == 21 * 21 + seams["new_vertices"]
+    places = np.array(mesh["seams"]).reshape(-1, 2)
+    off = np.abs((places[:, 0] - 0.52) + 0.05 * places[:, 1])
+    if method == "cut":
+        assert seams["new_vertices"] > 15
+        assert off.max() < 1e-5
+    else:
+        assert seams["new_vertices"] == 0
+        assert seams["edges"] >= 20
+        assert off.max() < 0.05
+    if method == "slide":
+        assert seams["moved"] > 10
+    svg = (scenes / f"out {method}" / "scene.blend" / "uv-Plane.svg").read_text()
+    assert 'class="seam"' in svg

@@ -1,7 +1,7 @@
 """Run by tests in a fresh process, or in a Blender: installs the zip into an empty profile and runs the operator.
 
-Argument: the zip, or `-` where it has been installed already. BLENDER_USER_RESOURCES: the empty profile. Prints one line
-of JSON, beginning with RESULT. Holds no assertions; the test judges what is printed.
+Argument: the zip, or `-` where it has been installed already. BLENDER_USER_RESOURCES: the empty profile. Prints one
+line of JSON, beginning with RESULT. Holds no assertions; the test judges what is printed.
 """
 
 import json

@@ -49,7 +49,8 @@ class LineMaker:
         self._session = get_module(package, "session")
         self._surface = get_module(package, "surface")
         self._mesh_read = get_module(package, "mesh_read")
-        self._guard = get_module(package, "guard")
+        self._put = get_module(package, "seams.put")
+        self._unwrap = get_module(package, "seams.unwrap")
         self._library = get_module(package, "native").load_library()
         self._errors = get_module(package, "errors")
         self._job = job
@@ -67,8 +68,41 @@ class LineMaker:
                 self._try(mesh_object, line["name"], lambda line=line: self._make_along(mesh_object, line))
         for net in nets:
             self._try(mesh_object, net["name"], lambda net=net: self._make_net(mesh_object, net))
+        if "seams" in self._job["make"]:
+            self._try(mesh_object, None, lambda: self._make_seams(mesh_object))
 
-    def _try(self, mesh_object: bpy.types.Object, name: str, work: Callable[[], None]) -> None:
+    def _make_seams(self, mesh_object: bpy.types.Object) -> None:
+        """All lines of the object into its mesh, and unwrapped by them where the job says so."""
+        lines = [made.computed.line for made in self.made if made.mesh_object == mesh_object]
+        if not lines:
+            return
+        seams = self._job["make"]["seams"]
+        done = self._put.put_lines_into_mesh(
+            bpy.context,
+            mesh_object,
+            lines,
+            method=seams["method"].upper(),
+            marks=[mark.upper() for mark in seams.get("marks", ["seam"])],
+        )
+        told = {
+            "file": self._item_name,
+            "object": mesh_object.name,
+            "line": None,
+            "status": "done",
+            "seams": seams["method"],
+            "edges": len(done.edges),
+            "new_vertices": done.new_vertices,
+            "moved": len(done.moved),
+            "not_moved": len(done.not_moved),
+        }
+        unwrap = self._job["make"].get("unwrap")
+        if unwrap is not None:
+            method = unwrap.get("method", "angle_based").upper()
+            islands = self._unwrap.unwrap_and_measure(bpy.context, mesh_object, method=method, write=False).islands
+            told |= {"islands": len(islands), "flipped": sum(island.flipped for island in islands)}
+        self.entries.append(told)
+
+    def _try(self, mesh_object: bpy.types.Object, name: str | None, work: Callable[[], None]) -> None:
         """Do `work`; what it refuses becomes an entry."""
         try:
             work()
@@ -79,7 +113,7 @@ class LineMaker:
         except self._library.Error as error:
             self._fail(mesh_object, name, type(error).__name__, str(error))
 
-    def _fail(self, mesh_object: bpy.types.Object, name: str, error: str, message: str) -> None:
+    def _fail(self, mesh_object: bpy.types.Object, name: str | None, error: str, message: str) -> None:
         self.entries.append(make_entry(self._item_name, error, message, object_name=mesh_object.name, line=name))
 
     def _open(self, mesh_object: bpy.types.Object) -> Any:
@@ -157,25 +191,47 @@ class LineMaker:
                 f"point {farthest} of the guide is {distances[farthest]:.6g} away from the surface, more than the "
                 f"search radius {radius:.6g}",
             )
-        wishes = dict(options)
-        if wishes["detail_size"] is not None:
-            wishes["detail_size"] *= self._mesh_read.measure_mean_scale(opened.arrays.world_matrix)
-        line = opened.library_mesh.stroke(points, **wishes)
+        line = opened.library_mesh.stroke(points, **self._in_world_units(options, opened))
         # Without picks: the curve has none to be edited by.
         self._keep(mesh_object, name, self._session.ComputedPolyline(line, [], opened.arrays), options)
 
     def _make_net(self, mesh_object: bpy.types.Object, net: dict[str, Any]) -> None:
         picks, _ = self._find_picks(mesh_object, net["picks"])
         options = {name: net[name] for name in OPTION_NAMES}
-        for first, second in list_connections(net["connections"], len(picks)):
-            name = f"{net['name']}[{first}-{second}]"
-            self._try(
-                mesh_object,
-                name,
-                lambda ends=(first, second), name=name: self._compute_and_keep(
-                    mesh_object, name, [picks[end] for end in ends], options
-                ),
-            )
+        opened = self._open(mesh_object)
+        connections = net["connections"]
+        if not isinstance(connections, str):
+            connections = np.array(connections, dtype=np.int64)
+        wishes = self._in_world_units(options, opened)
+        made = opened.library_mesh.network(picks, connections, avoid_crossings=net["avoid_crossings"], **wishes)
+        for ends, line, error in zip(made.connections.tolist(), made.lines, made.errors, strict=True):
+            name = f"{net['name']}[{ends[0]}-{ends[1]}]"
+            if error is not None:
+                self._fail(mesh_object, name, type(error).__name__, str(error))
+                continue
+            own = [picks[end] for end in ends]
+            self._keep(mesh_object, name, self._session.ComputedPolyline(line, own, opened.arrays), options)
+        self._tell_patches(mesh_object, net["name"], made)
+
+    def _tell_patches(self, mesh_object: bpy.types.Object, name: str, made: Any) -> None:
+        """An entry on the net as a whole: into what it parts the surface."""
+        told = {"crossings": len(made.crossings)}
+        if all(error is None for error in made.errors):
+            try:
+                patches = made.patches()
+                told |= {"patches": len(patches), "three_sided": patches.three_sided, "four_sided": patches.four_sided}
+            except self._library.Error as error:
+                self._fail(mesh_object, name, type(error).__name__, str(error))
+                return
+        told |= {"file": self._item_name, "object": mesh_object.name, "line": None, "net": name, "status": "done"}
+        self.entries.append(told)
+
+    def _in_world_units(self, options: dict[str, Any], opened: Any) -> dict[str, Any]:
+        """Options for the library, whose mesh is in world space; the job's detail size is in the object's units."""
+        wishes = dict(options)
+        if wishes["detail_size"] is not None:
+            wishes["detail_size"] *= self._mesh_read.measure_mean_scale(opened.arrays.world_matrix)
+        return wishes
 
     def _keep(self, mesh_object: bpy.types.Object, name: str, computed: Any, options: dict[str, Any]) -> None:
         """Make the curve object where the job wants one, and the entry."""
@@ -201,17 +257,3 @@ class LineMaker:
                 "stop_reason": line.report.stop_reason,
             }
         )
-
-
-def list_connections(connections: str | list[list[int]], count: int) -> list[tuple[int, int]]:
-    """Pairs of picks; FileFault for what is not to be had in this version."""
-    if connections == "all":
-        return [(a, b) for a in range(count) for b in range(a + 1, count)]
-    if connections in ("chain", "loop"):
-        pairs = [(k, k + 1) for k in range(count - 1)]
-        return pairs + ([(count - 1, 0)] if connections == "loop" and count > 2 else [])
-    if connections == "automatic":
-        raise FileFault(
-            "NotSupportedError", "automatic connections are not there yet; name the pairs, or all, chain or loop"
-        )
-    return [(a, b) for a, b in connections]

@@ -118,9 +118,6 @@ class FileProcessor:
                     if not meshes:
                         raise
                     maker.entries.append(make_entry(item.name, fault.error, str(fault), line=line["name"]))
-        for key in ("seams", "unwrap"):
-            if key in job["make"]:
-                raise FileFault("NotSupportedError", f"make.{key} is not there yet in this version")
         for mesh_object in meshes:
             maker.make_all(mesh_object, *wanted[mesh_object.name])
         return maker
