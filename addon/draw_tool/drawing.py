@@ -50,7 +50,8 @@ class Drawing:
         self.waiting: list[Input] = []  # events that came while a mesh was being opened
         self.mesh_name, self.curve_name, self.source = "", "", "BASE"
         self.mirror = (False, False, False)
-        self.mirrored_points: list[np.ndarray] = []
+        self.lines: list[Any] = []  # of the library: the line, then its mirrors
+        self.made_with: dict[str, Any] = {}  # the options of those lines
         self.length, self.message, self.hint = 0.0, "", ""
         self.was_selected = False  # the curve that is edited
         self.is_moved = False  # something of the mesh may have changed
@@ -78,8 +79,8 @@ class Drawing:
     def draw_view(self) -> None:
         """The line, its mirrors and the stroke, in every 3D view of the scene."""
         if bpy.context.scene == self.scene:
-            for points in (self.points, *self.mirrored_points):
-                overlay.draw_line(bpy.context, points, self.sketch.state.is_closed)
+            for line in self.lines:
+                overlay.draw_line(bpy.context, line.points, line.closed)
             trail = self.gestures.trail
             if self.gestures.mode is Mode.STROKE and len(trail) > 1:
                 overlay.draw_line(bpy.context, np.array([pick.place for pick in trail]), False)
@@ -185,7 +186,7 @@ class Drawing:
         now = surface.open_surface(context, mesh_object, source=self.source)
         if now is before:
             return
-        self.canvas.opened = now
+        self.canvas.opened, self.lines = now, []
         self.sketch.move_picks(make_mover(before, now))
         self.gestures.is_changed = True
         self.hint = "the mesh has changed"
@@ -217,18 +218,23 @@ class Drawing:
         """Make the line of the sketch; a refusal is told and the picks stay. `since`: when the event came."""
         since = time.perf_counter() if since is None else since
         self.gestures.is_changed = False
-        self.canvas.points, self.length, self.message, self.mirrored_points = np.empty((0, 3)), 0.0, "", []
+        before, self.lines = self.lines, []
+        self.canvas.points, self.length, self.message = np.empty((0, 3)), 0.0, ""
         if self.sketch.has_line():
-            self.message = guard.run_quietly(self.make_line) or ""
+            self.message = guard.run_quietly(lambda: self.make_lines(before)) or ""
         self.update_milliseconds.append(1e3 * (time.perf_counter() - since))
 
-    def make_line(self) -> None:
-        """Ask the library."""
-        line = self.opened.library_mesh.polyline(self.list_picks(), **self.choose_options())
-        self.canvas.points, self.length = line.points, line.length
-        for picks in self.list_mirrored_picks():
-            mirrored = self.opened.library_mesh.polyline(picks, **self.choose_options())
-            self.mirrored_points.append(mirrored.points)
+    def make_lines(self, before: list[Any]) -> None:
+        """Ask the library: while a pick is dragged, for the lines `before` with what that changes; else afresh."""
+        options, mesh = self.choose_options(), self.opened.library_mesh
+        all_picks = [self.list_picks(), *self.list_mirrored_picks()]
+        is_dragged = self.gestures.mode is Mode.DRAGGING and self.made_with == options and len(before) == len(all_picks)
+        is_dragged = is_dragged and hasattr(before[0], "with_picks")
+        self.made_with = options
+        for number, picks in enumerate(all_picks):
+            line = before[number].with_picks(picks) if is_dragged else mesh.polyline(picks, **options)
+            self.lines.append(line)
+        self.canvas.points, self.length = self.lines[0].points, self.lines[0].length
 
     def list_mirrored_picks(self) -> list[list[Any]]:
         """The picks of each mirrored line; an edited curve has none."""

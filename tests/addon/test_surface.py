@@ -52,7 +52,22 @@ def turn_face(mesh_object):
     edited.free()
 
 
-@pytest.mark.parametrize("change", [move_vertex, move_vertex_in_bulk, hide_face, scale, add_face, turn_face])
+def give_corner_to_the_next_face(mesh_object):
+    """The same corners in the same order: two quads become a triangle and a pentagon."""
+    mesh = mesh_object.data
+    positions = [vertex.co[:] for vertex in mesh.vertices]
+    faces = [list(polygon.vertices) for polygon in mesh.polygons]
+    order = [corner for face in faces for corner in face]
+    sizes = [3, 5] + [4] * (len(faces) - 2)
+    ends = [sum(sizes[: k + 1]) for k in range(len(sizes))]
+    mesh.clear_geometry()
+    mesh.from_pydata(positions, [], [order[end - size : end] for size, end in zip(sizes, ends, strict=True)])
+    assert [vertex for polygon in mesh.polygons for vertex in polygon.vertices] == order
+
+
+@pytest.mark.parametrize(
+    "change", [move_vertex, move_vertex_in_bulk, hide_face, scale, add_face, turn_face, give_corner_to_the_next_face]
+)
 def test_kept_until_something_changes(scene, surface, change):
     grid = add_grid(4, 3)
     first = surface.open_surface(bpy.context, grid)

@@ -124,7 +124,7 @@ def test_modes_outputs_and_displays(window):
     assert told["perspective_off"] <= 1
     assert told["button_worked"]
     assert told["picks_by_buttons"] == 0
-    assert told["scale"] == 2
+    assert 1.9 < told["scale"] < 2.2
     assert 1.5 < told["line_pixels_twice"] / told["line_pixels"] < 3.0
     assert (told["mirrors"], told["mirrored_curves"]) == (1, 2)
     for output in ("CURVE", "MESH", "CURVES"):
@@ -135,3 +135,16 @@ def test_modes_outputs_and_displays(window):
     assert (told["last_filter"], told["curves_after_redo"], told["filter_after_redo"]) == ("FAIR", 1, "GEODESIC")
     assert (told["edited_Left"], told["edited_Right"]) == ("Left", "Right")
     assert (told["parents"], told["mode"]) == (["Left", "Right"], "EDIT_MESH")
+
+
+def test_a_line_follows_a_pose_and_is_mirrored(window):
+    told = window.run("pose")
+    assert (told["message"], told["source"]) == ("", "EVALUATED")
+    assert 4 <= told["picks"] <= 16
+    assert told["off_surface"] < 1e-5
+    assert told["moved"] > 0.5
+    assert told["is_same_line"]
+    assert told["came_back"]
+    assert (told["mirror_lines"], told["mirror_curves"]) == (2, 2)
+    first, second = told["mirror_lengths"]
+    assert abs(first - second) < 1e-3 * first
