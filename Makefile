@@ -31,8 +31,8 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup dev demo images test test-rust test-native test-addon test-batch test-newest test-package test-render \
-    test-gui test-batch-large test-package-all bench fmt lint wheel release-wheel extension repository clean
+.PHONY: help setup dev demo images images-gui test test-rust test-native test-addon test-batch test-newest test-package \
+    test-render test-gui test-batch-large test-package-all bench fmt lint wheel release-wheel extension repository clean
 
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -197,6 +197,9 @@ else
 	$(STEP) "Tests in a real window"
 	$(BIN)/python -m pytest tests/gui
 endif
+
+images-gui: test-gui ## the docs' pictures of the draw tool, from the window tests
+	blender_scripts/copy_window_pictures.sh
 
 # --- measuring --------------------------------------------------------------------------------------------
 

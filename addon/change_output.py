@@ -20,8 +20,7 @@ def change_output(context: bpy.types.Context, line_object: bpy.types.Object, out
     if known is None:
         raise ObjectError(f"{line_object.name} was not made by Smooth Polylines")
     for data in (line_object, line_object.data):
-        if data.library is not None:
-            raise ObjectError(f"{data.name} is linked from {data.library.filepath}; make it local first")
+        session.check_local(data)
     if line_data.get_output(line_object.data) == output:
         return line_object
     new_object = curve_write.copy_as_output(line_object, output)

@@ -240,6 +240,7 @@ def update_curve(context: bpy.types.Context | None, curve: Any, picks: Sequence[
     handler, where everything has just been evaluated. Raises AddonError, or the
     library's `smooth_polylines.Error`; the curve is as it was then.
     """
+    check_local(curve)
     settings_of_curve = memory.get_memory(curve)
     computed, recalled = compute_remembered(context, curve, picks)
     mesh_object = memory.find_mesh(curve)
@@ -290,8 +291,13 @@ def check_object(mesh_object: bpy.types.Object) -> None:
         found = "nothing" if mesh_object is None else f"{mesh_object.name}, a {mesh_object.type.lower()} object"
         raise ObjectError(f"A smooth polyline lies on a mesh object, but the object is {found}; make a mesh active")
     for data in (mesh_object, mesh_object.data):
-        if data.library is not None:
-            raise ObjectError(
-                f"{data.name} is linked from {data.library.filepath} and cannot be changed here; make it local first "
-                "(Object > Relations > Make Local > Selected Objects and Data)"
-            )
+        check_local(data)
+
+
+def check_local(data: Any) -> None:
+    """ObjectError when a data-block is another file's."""
+    if data.library is not None:
+        raise ObjectError(
+            f"{data.name} is linked from {data.library.filepath} and cannot be changed here; make it local first "
+            "(Object > Relations > Make Local > Selected Objects and Data)"
+        )

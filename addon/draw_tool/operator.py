@@ -114,6 +114,7 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         if drawings.running:
             return {"PASS_THROUGH"}
         self.timer = None
+        self.is_by_click = not self.curve and event.type == "LEFTMOUSE"
         state = SketchState((), False, self.filter_of_tool(), 0.0)
         self.drawing = Drawing(context, state, self.choose_cubic())
         message = guard.run_quietly(lambda: self.begin(context, event))
@@ -144,6 +145,7 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
                 raise ObjectError(f"{self.curve or 'Nothing'} is no curve made by Smooth Polylines; select one")
             mesh_object = memory.find_mesh(curve_object.data)
             session.check_object(mesh_object)
+            session.check_local(curve_object.data)
             settings.copy_line_settings(known, self)
             drawing.options = self.choose_cubic()
             drawing.curve_name = self.curve
@@ -173,6 +175,10 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         if not opening.chosen:
             drawing.hint = "click on a mesh"
             drawing.tell()
+            if self.is_by_click:
+                # Nothing was begun, and the next click, perhaps on another tool, is none of ours.
+                self.report({"INFO"}, "There is no mesh under the mouse; click on one")
+                self.stop(context)
             return
         drawing.hint = ""
         drawing.take_surface(opening)
@@ -237,7 +243,7 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         if is_click and drawing.opened is None and given.is_over_view and not given.alt:
             drawing.waiting = [given]
             self.open(context, Opening(view.list_candidates(context, given.ray), given.ray, self.source))
-            return {"RUNNING_MODAL"}
+            return {"RUNNING_MODAL" if drawing in drawings.running else "CANCELLED"}
         hovered = drawing.gestures.hovered
         answer = drawing.gestures.take(given)
         if drawing.gestures.is_changed:
@@ -262,13 +268,13 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         if given.kind == "TIMER":
             if drawing.opening.go_on(context, 0.0):
                 self.end_opening(context)
-            else:
-                context.window_manager.progress_update(round(100 * drawing.opening.measure_progress()))
-                drawing.tell()
+                return {"RUNNING_MODAL" if drawing in drawings.running else "CANCELLED"}
+            context.window_manager.progress_update(round(100 * drawing.opening.measure_progress()))
+            drawing.tell()
             return {"RUNNING_MODAL"}
         if given.kind.startswith(NAVIGATION):
             return {"PASS_THROUGH"}
-        if given.kind != "MOUSEMOVE" and not given.kind.startswith("TIMER"):
+        if not given.kind.startswith("TIMER"):
             drawing.waiting.append(given)
         return {"RUNNING_MODAL"}
 

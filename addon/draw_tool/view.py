@@ -96,7 +96,7 @@ def list_candidates(context: bpy.types.Context, ray: tuple[np.ndarray, np.ndarra
         return [(0.0, mesh_object) for mesh_object in context.objects_in_mode_unique_data]
     graph, found = context.evaluated_depsgraph_get(), []
     for mesh_object in context.visible_objects:
-        if mesh_object.type != "MESH" or not mesh_object.visible_in_viewport_get(context.space_data):
+        if mesh_object.type != "MESH" or not mesh_object.visible_get(viewport=context.space_data):
             continue
         box = np.array(mesh_object.evaluated_get(graph).bound_box, dtype=np.float64)
         distance = meet_box(ray, np.array(mesh_object.matrix_world, dtype=np.float64), box.min(axis=0), box.max(axis=0))

@@ -294,7 +294,7 @@ def test_boxes_say_which_objects_may_be_under_the_mouse(tool):
                 matrix_world=o.matrix_world,
                 evaluated_get=o.evaluated_get,
                 # Near is left out of the local view of the second look.
-                visible_in_viewport_get=lambda space, o=o: o.name not in getattr(space, "left_out", ()),
+                visible_get=lambda viewport, o=o: o.name not in getattr(viewport, "left_out", ()),
             )
             for o in bpy.context.visible_objects
         ],

@@ -341,3 +341,41 @@ def test_a_mesh_in_edit_mode_is_followed_when_the_edit_is_over(head, session):
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.update()
     np.testing.assert_allclose(get_spline_points(curve_object), before + np.array([0, 0, 1]), rtol=0, atol=1e-6)
+
+
+def test_a_linked_curve_is_left_alone_and_says_why(head, session, tmp_path):
+    name = add_curve(session, head).name
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path, link=True) as (_source, target):
+        target.objects = [name]
+    (linked,) = target.objects
+    for brought in (linked, linked.data.smooth_polyline.surface):
+        bpy.context.scene.collection.objects.link(brought)
+    before = get_spline_points(linked)
+    bpy.context.scene.frame_set(4)
+    np.testing.assert_array_equal(get_spline_points(linked), before)
+    assert linked.data.smooth_polyline.state == "CURRENT"
+    bpy.context.view_layer.objects.active = linked
+    for refused in (bpy.ops.curve.smooth_polyline_update, bpy.ops.object.smooth_polyline_change_output):
+        with pytest.raises(RuntimeError, match=r"linked from .*library\.blend.*make it local"):
+            refused()
+    np.testing.assert_array_equal(get_spline_points(linked), before)
+
+
+def test_linked_duplicates_share_their_line_through_undo(head, session):
+    curve_object = add_curve(session, head)
+    twin = curve_object.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    names = curve_object.name, twin.name
+    before = get_spline_points(curve_object)
+    bpy.ops.ed.undo_push(message="Twins")
+    twin.data.smooth_polyline.filter = "GEODESIC"
+    bpy.ops.ed.undo_push(message="Filter")
+    np.testing.assert_array_equal(get_spline_points(curve_object), get_spline_points(twin))
+    assert not np.array_equal(get_spline_points(curve_object), before)
+    bpy.ops.ed.undo()
+    for name in names:
+        np.testing.assert_array_equal(get_spline_points(bpy.data.objects[name]), before)
+    assert bpy.data.objects[names[0]].data == bpy.data.objects[names[1]].data

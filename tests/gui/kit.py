@@ -26,6 +26,7 @@ BETWEEN_EVENTS = 0.05
 BETWEEN_MOVES = 0.02
 
 bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.smooth_view = 0  # what is projected now is so at the next event
 bpy.context.preferences.use_preferences_save = False
 
 _told = {}
@@ -140,11 +141,15 @@ def read_screen():
     return pixels[:, : 4 * width].reshape(height, width, 4)[:, :, 2::-1]
 
 
-def shoot(name):
-    """Keep a picture of the display, where it can be read."""
+def shoot(name, *, is_picture=False):
+    """Keep a picture of the display, where it can be read; `is_picture`: for the docs, of the 3D view alone."""
     if not (FOLDER / "Xvfb_screen0").exists():
         return
     screen = read_screen()
+    if is_picture:
+        area = find_view()[0]
+        top = len(screen) - area.y - area.height
+        screen = screen[top : top + area.height, area.x : area.x + area.width]
     height, width = screen.shape[:2]
     rows = np.zeros((height, 1 + 3 * width), np.uint8)
     rows[:, 1:] = screen.reshape(height, -1)

@@ -118,6 +118,7 @@ def test_a_new_users_first_hour(window):
 def test_modes_outputs_and_displays(window):
     told = window.run("modes")
     print(told)
+    assert told["begun_beside"] == 0
     assert (told["of_two"], told["in_local_view"], told["local_picks"]) == ("Near", "Far", 3)
     assert (told["local_curve_seen"], told["local_parent"]) == (True, "Far")
     assert told["perspective"]

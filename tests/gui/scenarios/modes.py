@@ -79,6 +79,12 @@ def leave():
 def scenario():
     yield from until_redrawn()
 
+    # A click beside every mesh begins nothing.
+    yield from start_over(add_monkey)
+    yield from click(project((2.5, 0, 0)))
+    yield 0.3
+    tell(begun_beside=len(drawings.running))
+
     # Two heads, one before the other: in a local view of the far one, clicks go to that.
     near, far = yield from start_over(lambda: add_monkey(location=(0, -3, 0)), lambda: add_monkey(location=(0, 3, 0)))
     near.name, far.name = "Near", "Far"
@@ -96,7 +102,7 @@ def scenario():
     yield from press("RET")
     yield lambda: not drawings.running
     curve = bpy.context.object
-    tell(local_curve_seen=curve.visible_in_viewport_get(find_view()[0].spaces.active), local_parent=curve.parent.name)
+    tell(local_curve_seen=curve.visible_get(viewport=find_view()[0].spaces.active), local_parent=curve.parent.name)
     with in_view():
         bpy.ops.view3d.localview(frame_selected=False)
 

@@ -1,4 +1,4 @@
-"""A line drawn round an arm, mirrored drawing, and the arm that is bent: the line follows, frame by frame, in the window."""
+"""A line drawn along an arm that is then bent, which it follows frame by frame; a head drawn on both sides at once."""
 
 import importlib
 import sys
@@ -86,7 +86,7 @@ def scenario():
     yield from draw(stroke)
     yield from click(project((1.85, -0.4, -0.1)))
     yield from until_redrawn()
-    shoot("1_drawn")
+    shoot("1_drawn", is_picture=True)
     (drawing,) = drawings.running
     tell(picks=len(drawing.sketch.state.picks), message=drawing.message, source=drawing.source)
     yield from press("RET")
@@ -100,7 +100,7 @@ def scenario():
         yield from until_redrawn()
         off.append(measure_off_surface(curve))
         if frame in {10, 20}:
-            shoot(f"2_frame_{frame}")
+            shoot(f"2_frame_{frame}", is_picture=True)
     tell(off_surface=max(off), moved=float(np.abs(get_points(curve) - rest).max()))
     tell(is_same_line=curve.data.smooth_polyline.stored == stored)
     bpy.context.scene.frame_set(1)
@@ -121,9 +121,9 @@ def scenario():
         bpy.ops.view3d.view_selected()
         bpy.ops.object.select_all(action="DESELECT")
     yield from until_redrawn()
-    yield from draw([project((0.12 + 0.5 * t, -0.8, 0.72 - 0.35 * t + 0.25 * t * t)) for t in np.linspace(0, 1, 40)])
+    yield from draw([project((0.08 + 0.55 * t, -0.6, 0.86 - 0.3 * t * t)) for t in np.linspace(0, 1, 40)])
     yield from until_redrawn()
-    shoot("3_mirrored")
+    shoot("3_mirrored", is_picture=True)
     (drawing,) = drawings.running
     tell(mirror_lines=len(drawing.lines), mirror_lengths=[line.length for line in drawing.lines])
     yield from press("RET")

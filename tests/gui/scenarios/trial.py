@@ -103,7 +103,7 @@ def scenario():
     yield from until_redrawn()
     turned = np.abs(np.array(find_view()[0].spaces.active.region_3d.view_matrix) - view_before).max()
     tell(turned_by_mouse=float(turned), picks_after_mouse=len(get_drawing().sketch.state.picks) - before)
-    shoot("3_turned_by_mouse")
+    shoot("3_turned_by_mouse", is_picture=True)
     tell(parting_message=get_drawing().message, parting_length=get_drawing().length)
     yield from press("RET")
     yield lambda: not drawings.running
@@ -126,7 +126,7 @@ def scenario():
     tell(picks_after_stroke_undo=len(get_drawing().sketch.state.picks))
     yield from draw(places)
     yield from until_redrawn()
-    shoot("5_loop")
+    shoot("5_loop", is_picture=True)
     loop = get_drawing()
     seen = np.array([project(p) for p in loop.points])
     away = [np.linalg.norm(seen - np.array(place), axis=1).min() for place in places[1:-1]]
@@ -140,7 +140,7 @@ def scenario():
         move((x + 6 * k, y))
         yield 0.05
     yield from until_redrawn()
-    shoot("6_detail_size")
+    shoot("6_detail_size", is_picture=True)
     tell(detail_size=loop.sketch.state.detail_size)
     yield from press("ESC")
     tell(detail_size_after_esc=loop.sketch.state.detail_size, still_drawing=len(drawings.running))
@@ -153,7 +153,7 @@ def scenario():
     yield from drag(picked, (picked[0] - 12, picked[1] + 30))
     dragged = loop.points.copy()
     yield from until_redrawn()
-    shoot("7_cubic_dragged")
+    shoot("7_cubic_dragged", is_picture=True)
     yield from press("Z", ctrl=True)
     tell(undo_changed=bool(dragged.shape != loop.points.shape or (dragged != loop.points).any()))
     yield from press("Z", ctrl=True, shift=True)
@@ -207,7 +207,7 @@ def scenario():
     picked = project(again.sketch.state.picks[0].place)
     yield from drag(picked, (picked[0] + 10, picked[1] + 24))
     yield from until_redrawn()
-    shoot("10_edited_again")
+    shoot("10_edited_again", is_picture=True)
     yield from press("RET")
     yield lambda: not drawings.running
     yield from until_redrawn()
