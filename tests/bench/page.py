@@ -151,7 +151,8 @@ def own_table(results):
         told = [x if isinstance(x, str) else f"{x[0].replace('_', ' ')}, {x[1]} points" for x in outcomes]
         rows.append([f"closed, 30 picks: {name} ended", *told])
     note = (
-        "Milliseconds of CPU time, quartiles in brackets. A dragged pick: the whole line of 10 pinned picks once more."
+        "Milliseconds of CPU time, quartiles in brackets. A dragged pick: one of 10 pinned picks moves, and "
+        "the line is made from the one before."
     )
     return note + "\n\n" + table(rung_head(results), rows)
 

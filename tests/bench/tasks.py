@@ -142,12 +142,19 @@ class Timer:
         return {n: "collapsed" if x is None else [x.report.stop_reason, len(x.points)] for n, x in lines.items()}
 
     def dragged(self):
-        """One pick of ten to and fro between two neighbours; whole lines, but two segments of MeshLib's."""
+        """One pick of ten to and fro between two neighbours, a line from the one before; two segments of MeshLib's."""
         both = [self.ours.prepare(self.rung, line) for line in (self.rung.dragged_line, self.rung.line)]
 
         def ours(**options):
             turns = itertools.cycle(both)
-            return lambda: self.ours.mesh.polyline(next(turns), pinned="all", **options)
+            line = self.ours.mesh.polyline(both[1], pinned="all", **options)
+
+            def drag():
+                nonlocal line
+                line = line.with_picks(next(turns))
+                return line
+
+            return drag
 
         contenders = {name: ours(**options) for name, options in SMOOTH_BY.items()}
         theirs = self.opened.get(MeshLib.name)

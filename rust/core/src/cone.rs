@@ -17,7 +17,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::ids::HalfedgeId;
+use crate::ids::{HalfedgeId, TriangleId};
 use crate::mesh::SurfaceMesh;
 use crate::vertex_pass::corner_angle;
 
@@ -40,7 +40,13 @@ impl Cone {
             return Self::default();
         }
         let mut cone = Self { defect: TAU, radius: f64::INFINITY, area: 0.0 };
-        let mut here = spoke;
+        // Summed from the same triangle on, whichever line asks first, so that all get the same bits.
+        let next =
+            |here: HalfedgeId| mesh.twin(mesh.other_spoke(here, vertex)).filter(|h| h.triangle() != spoke.triangle());
+        let lowest = std::iter::successors(Some(spoke), |&here| next(here)).map(HalfedgeId::triangle).min();
+        let first = lowest.into_iter().flat_map(TriangleId::halfedges).find(|&h| mesh.ends(h)[0] == vertex);
+        let first = first.unwrap_or(spoke);
+        let mut here = first;
         loop {
             let triangle = here.triangle();
             let [a, b, c] = mesh.corners(triangle).map(|v| mesh.position(v));
@@ -51,7 +57,7 @@ impl Cone {
             cone.area += double_area / 6.0;
             cone.radius = cone.radius.min(double_area / base);
             match mesh.twin(mesh.other_spoke(here, vertex)) {
-                Some(next) if next.triangle() != spoke.triangle() => here = next,
+                Some(next) if next.triangle() != first.triangle() => here = next,
                 _ => return cone,
             }
         }

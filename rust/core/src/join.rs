@@ -4,6 +4,7 @@
 
 use crate::error::{Error, OptionError, Result};
 use crate::ids::{HalfedgeId, TriangleId};
+use crate::kept::LegNote;
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, Pinned, Solver};
@@ -34,30 +35,64 @@ pub struct Input {
     pub is_pinned: Vec<bool>,
     /// Whether the route's own crossings are what `fair` is close to; else it is the straightest line through its pins.
     pub is_drawn: bool,
+    /// What is known of each leg that was smoothed already.
+    pub known: Vec<Option<LegNote>>,
+}
+
+impl Input {
+    /// A route of which nothing was smoothed yet, all of whose pins are pinned.
+    pub fn new(route: Route, is_drawn: bool) -> Self {
+        Self { is_pinned: vec![true; route.pins.len()], is_drawn, known: vec![None; route.legs.len()], route }
+    }
+}
+
+/// The picks as stations.
+///
+/// # Errors
+/// Picks that are out of range or too few, `pinned` that does not fit.
+pub fn place_picks(mesh: &SurfaceMesh, picks: &[Pick], options: &Options) -> Result<Vec<Station>> {
+    let points = picks.iter().enumerate().map(|(i, pick)| mesh.resolve_pick(i, pick)).collect::<Result<Vec<_>, _>>()?;
+    place_stations(mesh, &points, "picks", options)
 }
 
 /// Joins picks by step B into a route through midpoints, and notes pops in `report`.
 ///
 /// # Errors
-/// Picks that are out of range or too few, `pinned` that does not fit, picks that are not connected, and
-/// [`Error::Interrupted`].
+/// Picks that are not connected, and [`Error::Interrupted`].
 pub fn join_picks(
     mesh: &SurfaceMesh,
-    picks: &[Pick],
+    stations: &[Station],
     options: &Options,
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<Input> {
-    let points = picks.iter().enumerate().map(|(i, pick)| mesh.resolve_pick(i, pick)).collect::<Result<Vec<_>, _>>()?;
-    let mut stations = place_stations(mesh, &points, "picks", options)?;
-    let mut is_pinned: Vec<bool> = stations.iter().map(|s| s.is_pinned).collect();
-    if options.filter == Filter::Fair {
-        stations.iter_mut().for_each(|s| s.is_pinned = true);
+    if options.filter != Filter::Fair {
+        return Ok(Input::new(join_stretch(mesh, stations, options, report, observer)?, false));
     }
+    let route = join_stretch(mesh, &all_pinned(stations), options, report, observer)?;
+    Ok(Input { is_pinned: stations.iter().map(|s| s.is_pinned).collect(), ..Input::new(route, false) })
+}
+
+/// The stations with every one pinned: the input of `fair` goes through all picks.
+pub fn all_pinned(stations: &[Station]) -> Vec<Station> {
+    stations.iter().map(|&station| Station { is_pinned: true, ..station }).collect()
+}
+
+/// The route through the midpoints of the strips between stations, which may be a stretch of the line's.
+///
+/// # Errors
+/// As [`join_picks`].
+pub fn join_stretch(
+    mesh: &SurfaceMesh,
+    stations: &[Station],
+    options: &Options,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<Route> {
     let ends: Vec<SearchEnd> = stations.iter().map(|s| search_end(mesh, &s.point)).collect();
     let is_taut = is_straightened(options);
     let midpoint = |_: &SurfacePoint, _: HalfedgeId| 0.5;
-    let route = join_stations(mesh, &stations, options.closed, midpoint, |i, j, _| {
+    join_stations(mesh, stations, options.closed, midpoint, |i, j, _| {
         let found = if is_taut && stations[i].is_pinned && stations[j].is_pinned {
             find_taut_strip(mesh, &stations[i].point, &stations[j].point, observer)?
         } else {
@@ -66,11 +101,7 @@ pub fn join_picks(
         let found = found.ok_or_else(|| no_path(mesh, "picks", &stations[i], &stations[j]))?;
         report.pops += found.pops;
         Ok(Leg::through_midpoints(found.first, found.word))
-    })?;
-    if options.filter != Filter::Fair {
-        is_pinned = vec![true; route.pins.len()];
-    }
-    Ok(Input { route, is_pinned, is_drawn: false })
+    })
 }
 
 /// Whether the line will be straightened first, so that it may start from any strip. The paper's filters keep the paper's

@@ -31,6 +31,17 @@ impl Leg {
         Self { first, word, parameters }
     }
 
+    /// A leg that crosses nothing.
+    pub fn empty(first: TriangleId) -> Self {
+        Self { first, word: Vec::new(), parameters: Vec::new() }
+    }
+
+    /// The leg, leaving one that crosses nothing.
+    pub fn take(&mut self) -> Self {
+        let first = self.first;
+        std::mem::replace(self, Self::empty(first))
+    }
+
     /// The triangle that the leg ends in.
     pub fn last_triangle(&self, mesh: &SurfaceMesh) -> TriangleId {
         self.word.last().map_or(self.first, |&h| entered_triangle(mesh, h))
@@ -107,7 +118,7 @@ impl Leg {
     /// Takes out letters `start..end` (across the seam of a ring when `start >= end`), after which the strip is in the
     /// triangle where it was before them, and cancels the backtracks that this makes.
     pub fn cut(&mut self, mesh: &SurfaceMesh, start: usize, end: usize, is_ring: bool) {
-        let old = std::mem::replace(self, Self { first: self.first, word: Vec::new(), parameters: Vec::new() });
+        let old = self.take();
         let kept = if start < end { (0..start, end..old.word.len()) } else { (0..0, end..start) };
         for i in kept.0.chain(kept.1) {
             self.push(mesh, old.word[i], old.parameters[i]);

@@ -2,11 +2,12 @@
 //!
 //! Holds what every line on the mesh shares. Never changes after it was made, so it can be used by many threads.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use glam::DVec3;
 
 use crate::adjacency::{Adjacency, VertexKind, other_spoke};
+use crate::cone::Cones;
 use crate::error::{MeshError, OptionError};
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::morton::CurveOrder;
@@ -58,6 +59,7 @@ pub struct SurfaceMesh {
     window_graph: WindowGraph,
     report: OnceLock<MeshReport>,
     triangle_tree: OnceLock<TriangleTree>,
+    cones: Mutex<Vec<Cones>>,
 }
 
 impl SurfaceMesh {
@@ -84,8 +86,8 @@ impl SurfaceMesh {
         );
         let dual_graph = DualGraph::new(&placed, &adjacency);
         let polygons = triangle_faces.map(Polygons::new);
-        let (report, triangle_tree) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, window_graph, report, triangle_tree })
+        let (report, triangle_tree, cones) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, window_graph, report, triangle_tree, cones })
     }
 
     /// What was found on the mesh. The first call counts parts and looks round every vertex, at O(triangles).
@@ -144,6 +146,18 @@ impl SurfaceMesh {
     /// The boxes round the triangles. The first call builds them, at O(triangles).
     pub fn triangle_tree(&self) -> &TriangleTree {
         self.triangle_tree.get_or_init(|| TriangleTree::new(self))
+    }
+
+    /// Cones that finished lines have measured: the next one need not measure them again. Empty for the first.
+    pub fn take_cones(&self) -> Cones {
+        self.cones.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default()
+    }
+
+    /// Gives back what [`SurfaceMesh::take_cones`] gave, for the next line.
+    pub fn put_back_cones(&self, cones: Cones) {
+        if let Ok(mut pool) = self.cones.lock() {
+            pool.push(cones);
+        }
     }
 
     /// What `window_search` knows of the mesh.

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-/// Why smoothing ended.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+/// Why smoothing ended; of a line whose legs ended in different ways, the last of these.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum StopReason {
     /// Nothing moves any more and the line is strictly inside its strip.
     Converged,
@@ -49,6 +49,9 @@ pub struct Report {
     /// Triangles taken from the search queue in step B; slivers up to three times. Fewer, for the same line, once a large
     /// mesh was asked often enough to choose landmarks.
     pub pops: u64,
+    /// Legs between pins (for `fair` of its input: between picks) that were taken over from the line before, and of which
+    /// the other counters do not tell.
+    pub kept_legs: usize,
     /// Pairs of neighbouring points of a stroke that step B joined, as no straight walk over the surface did.
     pub stroke_breaks: usize,
     /// Largest distance of a point of a stroke from the surface, in the units of the positions.
@@ -80,6 +83,7 @@ impl Default for Report {
             vertex_passes: 0,
             loops_removed: 0,
             pops: 0,
+            kept_legs: 0,
             stroke_breaks: 0,
             stroke_distance: 0.0,
             strip_triangles: 0,

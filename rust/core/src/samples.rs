@@ -104,6 +104,18 @@ impl Samples {
         self.anchors.push(mesh.position_of(&point));
     }
 
+    /// Adds a fixed sample before the first one (`at_start`) or after the last of an open curve, joined to it by `leg`, on
+    /// which the input is `length` long, in the units of the positions: it holds the curve's direction there.
+    pub fn clamp(&mut self, mesh: &SurfaceMesh, at_start: bool, point: SurfacePoint, leg: Leg, length: f64) {
+        let step = (length / self.unit).max(SHORTEST_PIECE);
+        let (sample, piece) = if at_start { (0, 0) } else { (self.points.len(), self.steps.len()) };
+        self.points.insert(sample, point);
+        self.is_pinned.insert(sample, true);
+        self.anchors.insert(sample, mesh.position_of(&point));
+        self.steps.insert(piece, step);
+        self.legs.insert(piece, leg);
+    }
+
     /// The samples that a thinner curve keeps: pins, and every `stride`-th after each.
     pub fn kept_at(&self, stride: usize) -> Vec<usize> {
         let count = self.points.len();
@@ -183,6 +195,20 @@ impl Samples {
 struct Cuts {
     points: Vec<SurfacePoint>,
     legs: Vec<Leg>,
+}
+
+/// The piece of a leg from its start (`at_start`) to `share` of its length, or from there to its end: where it was cut, and
+/// its strip.
+pub fn end_piece(
+    mesh: &SurfaceMesh,
+    leg: &Leg,
+    [start, end]: [&SurfacePoint; 2],
+    at_start: bool,
+    share: f64,
+) -> Option<(SurfacePoint, Leg)> {
+    let cuts = cut_leg(mesh, leg, start, end, &[share], Leg::empty(leg.first));
+    let piece = if at_start { cuts.legs.into_iter().next() } else { cuts.legs.into_iter().nth(1) };
+    cuts.points.first().copied().zip(piece)
 }
 
 /// Cuts a leg at `shares` of its length, which rise; `piece` holds what lies before the leg's first letter.

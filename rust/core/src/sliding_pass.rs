@@ -83,17 +83,18 @@ pub fn merged_vertex(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64) -> Option<V
     }
 }
 
-/// Tries every mesh vertex that the line runs through between its pins; returns at how many the line changed.
+/// Tries every mesh vertex that the legs with their flag in `is_open` run through between their pins; returns at how many the line changed.
 pub fn pass_vertices(
     mesh: &SurfaceMesh,
     route: &mut Route,
+    is_open: &[bool],
     filter: &impl SlidingFilter,
     threshold: f64,
     report: &mut Report,
     work: &mut PassWork,
 ) -> u64 {
     let mut changes = 0;
-    for leg in 0..route.legs.len() {
+    for leg in (0..route.legs.len()).filter(|&leg| is_open[leg]) {
         if route.pins.is_empty() {
             begin_between_vertices(mesh, route);
         }
@@ -253,7 +254,7 @@ fn try_fan(
     }
     after.iter().for_each(|&p| beads.push_fixed(p));
     let moves = FAN_MOVES * (fan.len() as u64 + 1);
-    let outcome = relax_by_heap(&mut beads, filter, threshold, moves, || ControlFlow::Continue(()));
+    let outcome = relax_by_heap(&mut beads, filter, threshold, moves, &[], || ControlFlow::Continue(()));
     report.moves += outcome.moves;
     let (was, is) = (filter.measure(&attempt.old), filter.measure(&beads.positions));
     // Written so that a measure that is not a number is refused.

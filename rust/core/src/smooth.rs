@@ -7,17 +7,22 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::fair_again::{FairBefore, smooth_fair_again};
 use crate::filter::cubic::Cubic;
+use crate::filter::geodesic::Workspace;
 use crate::filter::linear::Linear;
-use crate::join::{Input, join_picks};
+use crate::join::{Input, join_picks, place_picks};
+use crate::kept::{Kept, KeptFair, LegNote, LegStart, Made};
+use crate::leg_by_leg::smooth_leg_by_leg;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, Solver};
 use crate::polyline::{Polyline, length_of};
-use crate::report::{Observer, Report, Step};
+use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
-use crate::smooth_fair::smooth_fair;
+use crate::smooth_fair::{FairTask, smooth_fair};
 use crate::smooth_geodesic::smooth_geodesic;
 use crate::smooth_sliding::smooth_sliding;
+use crate::spot::join_at;
 use crate::surface_point::Pick;
 
 /// A smooth line through or near `picks`.
@@ -31,55 +36,99 @@ pub fn polyline(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Polyline> {
+    Ok(polyline_kept(mesh, picks, options, observer)?.line)
+}
+
+/// As [`polyline`], with what `remake` needs for the same line with other picks.
+///
+/// # Errors
+/// As [`polyline`].
+pub fn polyline_kept(
+    mesh: &SurfaceMesh,
+    picks: &[Pick],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Made> {
     options.check()?;
     let mut report = Report::default();
     go_on(observer, Step::Search)?;
-    let input = join_picks(mesh, picks, options, &mut report, observer)?;
-    smooth_input(mesh, input, options, report, observer)
+    let stations = place_picks(mesh, picks, options)?;
+    let input = join_picks(mesh, &stations, options, &mut report, observer)?;
+    let (line, notes, fair) = smooth_input(mesh, input, None, options, report, observer)?;
+    Ok(Made { line, kept: Kept { options: options.clone(), stations, notes, fair } })
 }
 
 /// Smooths what steps A and B made, wherever it came from: pins, strips and start parameters. `report` holds the work of
-/// those steps.
+/// those steps; `before` the line that some legs were taken from. Returns what [`Kept`] holds as well.
 ///
 /// # Errors
 /// A closed line that collapses, or [`Error::Interrupted`] when the observer says so.
 pub fn smooth_input(
     mesh: &SurfaceMesh,
     input: Input,
+    before: Option<&FairBefore>,
     options: &Options,
     mut report: Report,
     observer: &mut dyn Observer,
-) -> Result<Polyline> {
-    let Input { mut route, is_pinned, is_drawn } = input;
+) -> Result<(Polyline, Vec<LegNote>, KeptFair)> {
+    let Input { mut route, is_pinned, is_drawn, known } = input;
+    report.kept_legs = known.iter().flatten().count();
+    let start_of = |(i, note): (usize, &Option<LegNote>)| match note {
+        Some(note) => note.start,
+        None => LegStart::of_leg(mesh, &route, i),
+    };
+    let starts: Vec<LegStart> = known.iter().enumerate().map(start_of).collect();
     if options.filter != Filter::None {
-        let (points, strip_triangles) = Polyline::outline(mesh, &route).expect(FITS);
-        note_start(&mut report, &points, route.closed, strip_triangles, options);
+        if report.kept_legs == 0 {
+            let (points, strip_triangles) = Polyline::outline(mesh, &route).expect(FITS);
+            note_start(&mut report, &points, route.closed, strip_triangles, options);
+        } else {
+            note_kept_start(mesh, &mut report, &route, &starts);
+        }
     }
+    let mut stop_reasons = vec![StopReason::Converged; known.len()];
+    let mut fair = KeptFair::default();
     match options.filter {
         _ if route.legs.is_empty() => {}
         Filter::None => {}
-        Filter::Geodesic => smooth_geodesic(mesh, &mut route, options, &mut report, observer)?,
-        Filter::Linear if options.solver == Solver::Auto => {
-            // The locally shortest line is near the filter's fixed point, on the right side of nearly every vertex.
-            straighten_start(mesh, &mut route, options, &mut report, observer)?;
-            smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?;
+        Filter::Geodesic => {
+            let mut work = Workspace::default();
+            let straighten = |leg: &mut Route, report: &mut Report| {
+                smooth_geodesic(mesh, leg, options, &mut work, report, &mut *observer)
+            };
+            stop_reasons = smooth_leg_by_leg(mesh, &mut route, &known, options.stages, &mut report, straighten)?;
         }
-        Filter::Linear => smooth_sliding(mesh, &mut route, &Linear, options, &mut report, observer)?,
+        Filter::Linear => {
+            let straighten = |leg: &mut Route, report: &mut Report| {
+                if options.solver == Solver::Auto {
+                    // The locally shortest line is near the filter's fixed point, on the right side of nearly every vertex.
+                    straighten_start(mesh, leg, options, report, &mut *observer)?;
+                }
+                smooth_sliding(mesh, leg, &[None], &Linear, options, report, &mut *observer)
+            };
+            stop_reasons = smooth_leg_by_leg(mesh, &mut route, &known, options.stages, &mut report, straighten)?;
+        }
         Filter::Cubic => {
-            smooth_sliding(
-                mesh,
-                &mut route,
-                &Cubic { knots: options.knots, support: options.support },
-                options,
-                &mut report,
-                observer,
-            )?;
+            let filter = Cubic { knots: options.knots, support: options.support };
+            smooth_sliding(mesh, &mut route, &known, &filter, options, &mut report, observer)?;
+            // A leg that found no rest before is not looked at as long as nothing next to it moves.
+            let unrest = known.iter().flatten().map(|note| note.stop_reason).filter(|&r| r >= StopReason::Cycle).max();
+            let own = report.stop_reason;
+            report.stop_reason = own.max(unrest.unwrap_or(own));
+            stop_reasons = known.iter().map(|note| note.map_or(own, |n| n.stop_reason.max(own))).collect();
         }
         Filter::Fair => {
             if !is_drawn {
-                straighten_start(mesh, &mut route, options, &mut report, observer)?;
+                let straighten =
+                    |leg: &mut Route, report: &mut Report| straighten_start(mesh, leg, options, report, &mut *observer);
+                smooth_leg_by_leg(mesh, &mut route, &known, false, &mut report, straighten)?;
             }
-            smooth_fair(mesh, &mut route, &is_pinned, is_drawn, options, &mut report, observer)?;
+            fair.input.clone_from(&route.legs);
+            let task = FairTask { mesh, is_pinned: &is_pinned, is_drawn, is_draft: report.kept_legs > 0, options };
+            match before.filter(|_| task.is_draft) {
+                Some(before) => fair.stale = smooth_fair_again(&task, before, &mut route, &mut report, observer)?,
+                None => smooth_fair(&task, &mut route, &mut report, observer)?,
+            }
         }
     }
     go_on(observer, Step::Assemble)?;
@@ -91,7 +140,8 @@ pub fn smooth_input(
     if line.closed && line.points.len() < 2 {
         return Err(Error::Collapsed { iterations: line.report.iterations });
     }
-    Ok(line)
+    let notes = starts.into_iter().zip(stop_reasons).map(|(start, stop_reason)| LegNote { start, stop_reason });
+    Ok((line, notes.collect(), fair))
 }
 
 /// Straightens a route that another filter starts from: its rounds are neither limited nor counted, nor kept as stages.
@@ -103,7 +153,7 @@ fn straighten_start(
     observer: &mut dyn Observer,
 ) -> Result<()> {
     let start = Options { max_iterations: None, stages: false, ..options.clone() };
-    smooth_geodesic(mesh, route, &start, report, observer)?;
+    smooth_geodesic(mesh, route, &start, &mut Workspace::default(), report, observer)?;
     report.iterations = 0;
     Ok(())
 }
@@ -115,6 +165,18 @@ fn note_start(report: &mut Report, points: &[DVec3], closed: bool, strip_triangl
     if options.stages {
         report.stages.push(points.to_vec());
     }
+}
+
+/// The same from what was noted of the legs, some of which are smooth already. There are no stages of these.
+fn note_kept_start(mesh: &SurfaceMesh, report: &mut Report, route: &Route, starts: &[LegStart]) {
+    report.start_length = starts.iter().map(|start| start.length).sum();
+    let letters: usize = starts.iter().map(|start| start.letters).sum();
+    let joins = (0..starts.len()).filter(|&i| route.closed || i > 0).filter_map(|i| {
+        let before = starts[(i + starts.len() - 1) % starts.len()].last;
+        Some(join_at(mesh, route.start_pin(i)?, before, starts[i].first)?.len())
+    });
+    let is_round = route.closed && letters > 0;
+    report.strip_triangles = 1 + letters + joins.sum::<usize>() - usize::from(is_round);
 }
 
 /// Why a route can be assembled.

@@ -37,8 +37,6 @@ const COARSEST_STRIDE: usize = 16;
 /// See [`COARSEST_STRIDE`].
 const COARSE_PIECES: usize = 8;
 
-/// The first step on a curve leaves alone what is longer than so many of its pieces.
-const FIRST_REACH: f64 = 16.0;
 /// A step whose energy falls by more than [`GOOD_SHARE`] of what its model says lets the next reach further by this, and
 /// one that falls by less than [`POOR_SHARE`] halves its reach (as trust regions are steered).
 const REACH_GROWTH: f64 = 2.0;
@@ -46,82 +44,89 @@ const REACH_GROWTH: f64 = 2.0;
 const GOOD_SHARE: f64 = 0.5;
 /// See [`REACH_GROWTH`].
 const POOR_SHARE: f64 = 0.25;
+/// After a step that did not lower the energy the next one that is tried is shorter than this share of it: a shorter reach
+/// need not make a shorter step.
+const SHORTER: f64 = 0.75;
 /// A step that would have to be held back to less than this share of a piece has nowhere to go.
 const LEAST_REACH: f64 = 0.125;
 
+/// The first step on a curve leaves alone what is longer than so many of its pieces.
+const FIRST_REACH: f64 = 16.0;
 /// A curve is settled when a step moves nothing by more than this share of a piece,
 const SETTLED_MOVE: f64 = 1e-7;
-/// or when the energy can fall by no more than this share of it,
+/// or when the energy can fall by no more than this share of it; for other reasons see [`Pace`].
 const SETTLED_FALL: f64 = 1e-10;
-/// or when it fell by less than this share in each of [`SLOW_STEPS`] steps: the last curve, and the coarser ones.
-const SLOW_FALL: f64 = 1e-5;
-/// See [`SLOW_FALL`].
-const SLOW_FALL_COARSE: f64 = 1e-2;
-/// See [`SLOW_FALL`].
-const SLOW_STEPS: u32 = 3;
+
+/// How long a curve is lowered: until the energy fell by less than a share of it so many times in a row.
+pub struct Pace {
+    slow_fall: f64,
+    slow_steps: u32,
+    /// Or until so many steps in a row did not lower it.
+    refused_steps: u32,
+}
+
+/// How curves of ever more samples are lowered.
+pub struct Paces {
+    coarse: Pace,
+    last: Pace,
+    /// The last curve has every so-manieth sample.
+    finest_stride: usize,
+}
+
+const FINAL: Paces = Paces {
+    coarse: Pace { slow_fall: 1e-2, slow_steps: 3, refused_steps: u32::MAX },
+    last: Pace { slow_fall: 1e-5, slow_steps: 3, refused_steps: u32::MAX },
+    finest_stride: 1,
+};
+
+/// A draft goes the same way, so it ends near the final curve: at an edge between samples instead of half an edge.
+pub const DRAFT: Paces = Paces {
+    coarse: Pace { slow_fall: 2e-2, slow_steps: 1, refused_steps: 2 },
+    last: Pace { slow_fall: 2e-3, slow_steps: 1, refused_steps: 2 },
+    finest_stride: 2,
+};
 
 /// Rounds without a limit of the caller's; measured lines take up to a hundred.
 const ROUND_BOUND: u32 = 1000;
 
-/// Smooths `input`, a route through *all* picks or along a stroke; pins that `is_pinned` does not name (one flag a pin of
-/// the route) only shape it. `is_drawn`: it is a stroke.
+/// What is asked of a fair line.
+#[derive(Clone, Copy, Debug)]
+pub struct FairTask<'a> {
+    /// What it lies on.
+    pub mesh: &'a SurfaceMesh,
+    /// One flag a pin of the route: the others only shape the line.
+    pub is_pinned: &'a [bool],
+    /// Whether the route is a stroke.
+    pub is_drawn: bool,
+    /// Whether a line is wanted at once, while picks are moved: with half of the samples, and less settled.
+    pub is_draft: bool,
+    /// The caller's.
+    pub options: &'a Options,
+}
+
+/// Smooths `route`, which goes through *all* picks or along a stroke.
 ///
 /// # Errors
 /// [`OptionError`] for a closed line that nothing holds, [`Error::Collapsed`], [`Error::Interrupted`].
-pub fn smooth_fair(
-    mesh: &SurfaceMesh,
-    route: &mut Route,
-    is_pinned: &[bool],
-    is_drawn: bool,
-    options: &Options,
-    report: &mut Report,
-    observer: &mut dyn Observer,
-) -> Result<()> {
+pub fn smooth_fair(task: &FairTask, route: &mut Route, report: &mut Report, observer: &mut dyn Observer) -> Result<()> {
+    let &FairTask { mesh, is_pinned, is_drawn, is_draft, options } = task;
     let crossings_before = count_self_crossings(mesh, route);
     let input = with_seam(mesh, route.clone());
     let is_pinned = if route.pins.is_empty() { &[false] } else { is_pinned };
-    let edge = mean_edge_length(mesh, &input);
-    let length = route_length(mesh, &input);
-    let own_size = is_drawn.then(|| (STROKE_DETAIL_SHARE * length).max(edge));
-    let detail_size = choose_detail_size(&input, is_pinned, length, options.detail_size.or(own_size))?;
+    let own_size =
+        is_drawn.then(|| (STROKE_DETAIL_SHARE * route_length(mesh, &input)).max(mean_edge_length(mesh, &input)));
+    let detail_size = choose_detail_size(mesh, &input, is_pinned, options.detail_size.or(own_size))?;
     report.detail_size = Some(detail_size);
-    let spacing = (edge / SAMPLES_PER_EDGE).min((detail_size / SAMPLES_PER_DETAIL).max(edge / MOST_SAMPLES_PER_EDGE));
-    // All in one place: any unit will do.
-    let spacing = if spacing > 0.0 { spacing } else { 1.0 };
-    let samples = Samples::of_route(mesh, &input, is_pinned, spacing);
-    let mut stride = coarsest_stride(&samples, detail_size / spacing);
-    let mut kept = samples.kept_at(stride);
-    let mut lowering = Lowering {
-        mesh,
-        limit: options.max_iterations.unwrap_or(ROUND_BOUND),
-        length: length / spacing,
-        stages: options.stages,
-        work: SpanWork::default(),
-        report,
-        observer,
-    };
-    let mut curve = lowering.open_curve(samples.thinned(mesh, &kept), detail_size);
-    let stop_reason = loop {
-        let slow_fall = if stride == 1 { SLOW_FALL } else { SLOW_FALL_COARSE };
-        if !lowering.lower(&mut curve, slow_fall)? {
-            break StopReason::MaxIterations;
-        }
-        if stride == 1 {
-            break StopReason::Converged;
-        }
-        stride /= 2;
-        let finer = samples.kept_at(stride);
-        let places: Vec<usize> = kept.iter().filter_map(|i| finer.binary_search(i).ok()).collect();
-        let legs: Vec<_> = curve.spans.iter().map(|span| span.leg.clone()).collect();
-        let fine = samples.thinned(mesh, &finer).refined(mesh, &places, &curve.points, &legs);
-        curve = lowering.open_curve(fine, detail_size);
-        kept = finer;
-    };
+    let samples = Samples::of_route(mesh, &input, is_pinned, spacing_on(mesh, &input, detail_size));
+    let mut lowering = Lowering::new(task, report, observer);
+    let (curve, is_settled) = lowering.refine(&samples, detail_size, if is_draft { &DRAFT } else { &FINAL })?;
+    lowering.finish();
     *route = curve.to_route(mesh).ok_or(Error::Collapsed { iterations: report.iterations })?;
     report.new_self_crossings = count_self_crossings(mesh, route).saturating_sub(crossings_before);
-    report.stop_reason = match stop_reason {
-        StopReason::Converged if route.touches_vertex() => StopReason::ConvergedAtVertices,
-        other => other,
+    report.stop_reason = match is_settled {
+        false => StopReason::MaxIterations,
+        true if route.touches_vertex() => StopReason::ConvergedAtVertices,
+        true => StopReason::Converged,
     };
     Ok(())
 }
@@ -139,15 +144,23 @@ fn coarsest_stride(samples: &Samples, samples_per_detail: f64) -> usize {
     stride
 }
 
-/// The detail size, `given` or by the contract's rules; `length` is the input's.
-fn choose_detail_size(input: &Route, is_pinned: &[bool], length: f64, given: Option<f64>) -> Result<f64> {
+/// How far apart samples of `input` are.
+pub fn spacing_on(mesh: &SurfaceMesh, input: &Route, detail_size: f64) -> f64 {
+    let edge = mean_edge_length(mesh, input);
+    let spacing = (edge / SAMPLES_PER_EDGE).min((detail_size / SAMPLES_PER_DETAIL).max(edge / MOST_SAMPLES_PER_EDGE));
+    // All in one place: any unit will do.
+    if spacing > 0.0 { spacing } else { 1.0 }
+}
+
+/// The detail size, `given` or by the contract's rules.
+pub fn choose_detail_size(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool], given: Option<f64>) -> Result<f64> {
     let pin_count = is_pinned.iter().filter(|&&p| p).count();
     let inner =
         if input.closed { is_pinned } else { is_pinned.get(1..is_pinned.len().saturating_sub(1)).unwrap_or(&[]) };
     let size = match given {
         Some(size) => size,
         None if inner.iter().all(|&p| p) => f64::INFINITY,
-        None => DEFAULT_DETAIL_SHARE * length / input.legs.len().max(1) as f64,
+        None => DEFAULT_DETAIL_SHARE * route_length(mesh, input) / input.legs.len().max(1) as f64,
     };
     if input.closed && size == f64::INFINITY && pin_count < 3 {
         return Err(OptionError::new(
@@ -163,38 +176,87 @@ fn choose_detail_size(input: &Route, is_pinned: &[bool], length: f64, given: Opt
 }
 
 /// What stays the same while curves are lowered.
-struct Lowering<'a> {
+pub struct Lowering<'a> {
     mesh: &'a SurfaceMesh,
     limit: u32,
-    /// Of the input, in the samples' unit.
-    length: f64,
     stages: bool,
     work: SpanWork,
     report: &'a mut Report,
     observer: &'a mut dyn Observer,
 }
 
-impl Lowering<'_> {
+impl<'a> Lowering<'a> {
+    /// For a task; the report is told of every curve.
+    pub fn new(task: &FairTask<'a>, report: &'a mut Report, observer: &'a mut dyn Observer) -> Self {
+        Self {
+            mesh: task.mesh,
+            limit: task.options.max_iterations.unwrap_or(ROUND_BOUND),
+            stages: task.options.stages,
+            work: SpanWork::with_cones(task.mesh.take_cones()),
+            report,
+            observer,
+        }
+    }
+
     fn open_curve(&mut self, samples: Samples, detail_size: f64) -> FairCurve {
         let curve = FairCurve::new(self.mesh, samples, detail_size, &mut self.work, self.report);
         self.report.energies = vec![curve.energy / curve.unit()];
         curve
     }
 
+    /// Ends the work.
+    pub fn finish(self) {
+        self.mesh.put_back_cones(self.work.cones);
+    }
+
+    /// Curves of ever more of the samples, each lowered; the last one, and whether it came to rest.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub fn refine(&mut self, samples: &Samples, detail_size: f64, paces: &Paces) -> Result<(FairCurve, bool)> {
+        let mut stride = coarsest_stride(samples, detail_size / samples.unit);
+        let finest = paces.finest_stride.min(stride);
+        let mut kept = samples.kept_at(stride);
+        let mut curve = self.open_curve(samples.thinned(self.mesh, &kept), detail_size);
+        loop {
+            let is_settled = self.lower(&mut curve, if stride == finest { &paces.last } else { &paces.coarse })?;
+            if stride == finest || !is_settled {
+                return Ok((curve, is_settled));
+            }
+            stride /= 2;
+            let finer = samples.kept_at(stride);
+            let places: Vec<usize> = kept.iter().filter_map(|i| finer.binary_search(i).ok()).collect();
+            let legs: Vec<_> = curve.spans.iter().map(|span| span.leg.clone()).collect();
+            let fine = samples.thinned(self.mesh, &finer).refined(self.mesh, &places, &curve.points, &legs);
+            curve = self.open_curve(fine, detail_size);
+            kept = finer;
+        }
+    }
+
     /// Lowers the energy of a curve as far as it goes; false at the limit of rounds.
-    fn lower(&mut self, curve: &mut FairCurve, slow_fall: f64) -> Result<bool> {
-        let piece = self.length / curve.spans.len() as f64;
+    fn lower(&mut self, curve: &mut FairCurve, pace: &Pace) -> Result<bool> {
+        let length = curve.input_length();
+        let piece = length / curve.spans.len() as f64;
         let mut reach = FIRST_REACH * piece;
         let mut slow_steps = 0;
+        let mut refused_size = f64::INFINITY;
+        let mut refused_steps = 0;
         loop {
             go_on(self.observer, Step::Relax)?;
             let Some(step) = curve.step(self.mesh, reach, &mut self.work.cones) else { return Ok(true) };
             self.report.newton_steps += 1;
+            let size = curve.relative_size(&step);
+            if size > SHORTER * refused_size && reach >= LEAST_REACH * piece {
+                reach = reach.min(length) / 2.0;
+                continue;
+            }
             let next = curve.moved(self.mesh, &step, &mut self.work, self.report);
             let fall = curve.energy - next.energy;
-            let is_settled = curve.relative_size(&step) <= SETTLED_MOVE || step.fall <= SETTLED_FALL * curve.energy;
+            let is_settled = size <= SETTLED_MOVE || step.fall <= SETTLED_FALL * curve.energy;
+            refused_size = if fall > 0.0 { f64::INFINITY } else { size };
+            refused_steps = if fall > 0.0 { 0 } else { refused_steps + 1 };
             if fall > 0.0 {
-                slow_steps = if fall < slow_fall * curve.energy { slow_steps + 1 } else { 0 };
+                slow_steps = if fall < pace.slow_fall * curve.energy { slow_steps + 1 } else { 0 };
                 *curve = next;
                 self.report.iterations += 1;
                 self.report.energies.push(curve.energy / curve.unit());
@@ -204,11 +266,12 @@ impl Lowering<'_> {
             }
             let share = fall / step.fall;
             if share > GOOD_SHARE {
-                reach = if reach < self.length { reach * REACH_GROWTH } else { f64::INFINITY };
+                reach = if reach < length { reach * REACH_GROWTH } else { f64::INFINITY };
             } else if share.is_nan() || share < POOR_SHARE {
-                reach = reach.min(self.length) / 2.0;
+                reach = reach.min(length) / 2.0;
             }
-            if is_settled || slow_steps == SLOW_STEPS || reach < LEAST_REACH * piece {
+            let is_slow = slow_steps == pace.slow_steps || refused_steps == pace.refused_steps;
+            if is_settled || is_slow || reach < LEAST_REACH * piece {
                 return Ok(true);
             }
             if self.report.iterations >= self.limit {

@@ -30,18 +30,18 @@ pub fn smooth_geodesic(
     mesh: &SurfaceMesh,
     route: &mut Route,
     options: &Options,
+    work: &mut Workspace,
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<()> {
     let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
     let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
-    let mut work = Workspace::default();
     let own_repeats = OwnRepeats::of_route(mesh, route);
     let finish = loop {
         let finish = if route.pins.is_empty() {
-            smooth_loop(mesh, route, limit, options.stages, &mut work, report, observer)?
+            smooth_loop(mesh, route, limit, options.stages, work, report, observer)?
         } else {
-            smooth_legs(mesh, route, limit, options.stages, &mut work, report, observer)?
+            smooth_legs(mesh, route, limit, options.stages, work, report, observer)?
         };
         // Cutting a loop shortens the line, so this ends; measured, it happens on CAD slivers alone.
         let cuts = own_repeats.cut_new_loops(mesh, route);

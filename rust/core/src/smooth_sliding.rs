@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 use crate::error::{Error, Result};
 use crate::filter::SlidingFilter;
 use crate::ids::HalfedgeId;
+use crate::kept::LegNote;
 use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
@@ -34,13 +35,15 @@ fn move_limit(crossings: usize, reach: usize) -> u64 {
     20_000 + n * if reach == 1 { (20_000).max(10 * n) } else { 250 }
 }
 
-/// Smooths `route` by a filter of the paper's kind.
+/// Smooths `route` by a filter of the paper's kind. Legs that something is known of are at rest: they are looked at only
+/// where what lies next to them moves, and passed over vertices only once they have moved themselves.
 ///
 /// # Errors
 /// [`Error::Collapsed`], [`Error::Interrupted`].
 pub fn smooth_sliding(
     mesh: &SurfaceMesh,
     route: &mut Route,
+    known: &[Option<LegNote>],
     filter: &impl SlidingFilter,
     options: &Options,
     report: &mut Report,
@@ -51,7 +54,8 @@ pub fn smooth_sliding(
     let is_staged = !by_newton && filter.reach() == 1;
     let mut threshold = if is_staged { options.threshold.max(FIRST_THRESHOLD) } else { last_threshold };
     let limit = options.max_iterations.unwrap_or(PAPER_MAX_ITERATIONS);
-    let crossings: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
+    let mut is_open: Vec<bool> = known.iter().map(Option::is_none).collect();
+    let crossings: usize = (0..known.len()).filter(|&i| is_open[i]).map(|i| route.legs[i].word.len()).sum();
     let most_moves = move_limit(crossings, filter.reach());
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
@@ -76,7 +80,8 @@ pub fn smooth_sliding(
             let mut is_stopped = false;
             let share = if by_newton { MOVES_AFTER_NEWTON * crossings as u64 } else { most_moves };
             let moves_left = most_moves.saturating_sub(report.moves).min(share);
-            let outcome = relax_by_heap(&mut beads, filter, threshold, moves_left, || {
+            let first = beads.near_open(route, &is_open, 2 * filter.reach());
+            let outcome = relax_by_heap(&mut beads, filter, threshold, moves_left, &first, || {
                 let flow = observer.step(Step::Relax);
                 is_stopped = flow == ControlFlow::Break(());
                 flow
@@ -87,7 +92,7 @@ pub fn smooth_sliding(
             report.moves += outcome.moves;
             outcome.end
         };
-        beads.write_to(route);
+        beads.write_to(route, &mut is_open);
         route.snap_to_vertices(mesh);
         report.iterations += 1;
         if options.stages {
@@ -107,7 +112,8 @@ pub fn smooth_sliding(
         go_on(observer, Step::VertexPass)?;
         let has_rounds = report.iterations < limit;
         let passes_before = report.vertex_passes;
-        let mut changes = if has_rounds { pass_vertices(mesh, route, filter, threshold, report, &mut work) } else { 0 };
+        let mut changes =
+            if has_rounds { pass_vertices(mesh, route, &is_open, filter, threshold, report, &mut work) } else { 0 };
         if changes > 0 {
             let cuts = own_repeats.cut_new_loops(mesh, route);
             report.loops_removed += cuts;
@@ -163,7 +169,7 @@ fn settle_by_newton(beads: &mut Beads, filter: &impl SlidingFilter, report: &mut
             return true;
         }
         let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
-        let outcome = relax_by_heap(beads, filter, NEWTON_TOLERANCE, moves, || ControlFlow::Continue(()));
+        let outcome = relax_by_heap(beads, filter, NEWTON_TOLERANCE, moves, &[], || ControlFlow::Continue(()));
         report.moves += outcome.moves;
     }
     false

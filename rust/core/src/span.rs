@@ -52,6 +52,13 @@ pub struct SpanWork {
     pub cones: Cones,
 }
 
+impl SpanWork {
+    /// Work space that knows some cones.
+    pub fn with_cones(cones: Cones) -> Self {
+        Self { cones, ..Self::default() }
+    }
+}
+
 impl Span {
     /// The locally shortest line from `from` to `to` in the strip `leg`, whose parameters play no part, and beyond it
     /// over every vertex that the two-angle rule allows.

@@ -52,8 +52,7 @@ pub fn stroke(
     options.check()?;
     let mut report = Report::default();
     let route = join_stroke(mesh, points, options, &mut report, observer)?;
-    let is_pinned = vec![true; route.pins.len()];
-    smooth_input(mesh, Input { route, is_pinned, is_drawn: true }, options, report, observer)
+    Ok(smooth_input(mesh, Input::new(route, true), None, options, report, observer)?.0)
 }
 
 /// The route along a stroke, before any smoothing; notes breaks, the largest distance and pops in `report`.

@@ -119,12 +119,10 @@ fn lead(
     let pick = |point: &SurfacePoint| Pick::Point { triangle: point.triangle.0.into(), barycentric: point.barycentric };
     let picks = StrokePoints::Surface(points.iter().map(pick).collect());
     let mut report = Report::default();
-    let made = join_stroke(mesh, &picks, options, &mut report, observer).and_then(|route| {
-        let is_pinned = vec![true; route.pins.len()];
-        smooth_input(mesh, Input { route, is_pinned, is_drawn: false }, options, report, observer)
-    });
+    let made = join_stroke(mesh, &picks, options, &mut report, observer)
+        .and_then(|route| smooth_input(mesh, Input::new(route, false), None, options, report, observer));
     match made {
-        Ok(line) => Ok(Some(line)),
+        Ok((line, ..)) => Ok(Some(line)),
         Err(Error::Interrupted) => Err(Error::Interrupted),
         Err(_) => Ok(None),
     }

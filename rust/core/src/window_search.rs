@@ -54,11 +54,10 @@ struct Entry {
     stamp: u32,
 }
 
-/// A window in the search, on the edge of `entered` in the direction from its end with the lower vertex id.
+/// Where a window came in.
 #[derive(Clone, Copy, Debug)]
 struct View {
-    window: Window,
-    /// The edge, seen from the triangle that is entered.
+    /// The window's edge, seen from the triangle that is entered.
     entered: HalfedgeId,
     parent: u32,
 }
@@ -66,8 +65,14 @@ struct View {
 #[derive(Debug, Default)]
 struct Scratch {
     entries: Vec<Entry>,
+    /// All windows so far, in the order in which they were made: what is left of them once they have gone on.
     views: Vec<View>,
-    queue: BinaryHeap<Reverse<(u64, u32)>>,
+    /// The windows that wait, each in the direction of its edge from the end with the lower vertex id; and free places among
+    /// them. So few wait at a time that a search needs a third of the memory that keeping all of them would take.
+    windows: Vec<Window>,
+    free: Vec<u32>,
+    /// Estimate, view and window.
+    queue: BinaryHeap<Reverse<(u64, u32, u32)>>,
     stamp: u32,
 }
 
@@ -115,6 +120,8 @@ impl WindowGraph {
         }
         scratch.stamp += 2;
         scratch.views.clear();
+        scratch.windows.clear();
+        scratch.free.clear();
         scratch.queue.clear();
         scratch
     }
@@ -201,8 +208,10 @@ impl Search<'_> {
         let mesh = self.mesh;
         let closed = self.scratch.stamp + 1;
         let mut pops = 0u64;
-        while let Some(Reverse((_, id))) = self.scratch.queue.pop() {
-            let View { window, entered, .. } = self.scratch.views[id as usize];
+        while let Some(Reverse((_, id, slot))) = self.scratch.queue.pop() {
+            let View { entered, .. } = self.scratch.views[id as usize];
+            let window = self.scratch.windows[slot as usize];
+            self.scratch.free.push(slot);
             let entry = &mut self.scratch.entries[self.graph.entry_of(entered)];
             if entry.stamp == closed {
                 continue;
@@ -214,7 +223,7 @@ impl Search<'_> {
             }
             if goals.contains(&entered.triangle()) {
                 let word = without_repeats(mesh, self.trace(id));
-                let cost = self.length_to_goal(&self.scratch.views[id as usize]);
+                let cost = self.length_to_goal(entered, &window);
                 return Ok(Some(FoundStrip { first: word[0].triangle(), word, cost, pops }));
             }
             let ([a, b], c) = (mesh.ends(entered), mesh.apex(entered));
@@ -238,7 +247,7 @@ impl Search<'_> {
     #[inline]
     fn push(&mut self, exit: &Exit, parent: u32, window: impl FnOnce() -> Window) {
         let Some(entered) = self.mesh.twin(exit.letter) else { return };
-        let Scratch { entries, views, queue, stamp } = &mut self.scratch;
+        let Scratch { entries, views, windows, free, queue, stamp } = &mut self.scratch;
         let known = &mut entries[self.graph.entry_of(entered)];
         if known.stamp == *stamp + 1 {
             return;
@@ -252,17 +261,27 @@ impl Search<'_> {
             return;
         }
         *known = Entry { best: estimate as f32, stamp: *stamp };
-        queue.push(Reverse((estimate.to_bits(), views.len() as u32)));
         let is_upward = exit.ends[0] < exit.ends[1];
         let window = if is_upward { window } else { window.reversed(exit.length) };
-        views.push(View { window, entered, parent });
+        let slot = match free.pop() {
+            Some(slot) => {
+                windows[slot as usize] = window;
+                slot
+            }
+            None => {
+                windows.push(window);
+                windows.len() as u32 - 1
+            }
+        };
+        queue.push(Reverse((estimate.to_bits(), views.len() as u32, slot)));
+        views.push(View { entered, parent });
     }
 
     /// Length of the line through a window of one of the goal's triangles.
-    fn length_to_goal(&self, view: &View) -> f64 {
-        let places = self.mesh.sorted_ends(view.entered).map(|v| self.mesh.position(v));
+    fn length_to_goal(&self, entered: HalfedgeId, window: &Window) -> f64 {
+        let places = self.mesh.sorted_ends(entered).map(|v| self.mesh.position(v));
         let (along, off) = place_beside(places, places[0].distance(places[1]), self.goal);
-        view.window.lengths_to(along, off).iter().sum()
+        window.lengths_to(along, off).iter().sum()
     }
 
     /// The letters up to a window.

@@ -298,3 +298,15 @@ fn self_crossings_that_the_input_did_not_have_are_told() {
     assert_eq!(swung.report.new_self_crossings, crossings(&swung).saturating_sub(crossings(&before)));
     assert!(swung.report.new_self_crossings > 0, "{} after, {} before", crossings(&swung), crossings(&before));
 }
+
+#[test]
+fn a_fair_line_does_not_depend_on_the_lines_made_before_it() {
+    let shape = shapes::hills(24, 3);
+    let around = |mesh: &smooth_polylines_core::SurfaceMesh| line(mesh, &faces(&[100, 700, 900, 300]), &fair()).points;
+    let fresh = around(&shape.mesh());
+    let mesh = shape.mesh();
+    for picks in [[50, 1000, 400], [320, 90, 710], [910, 105, 690]] {
+        line(&mesh, &faces(&picks), &fair());
+    }
+    assert_eq!(around(&mesh), fresh);
+}

@@ -29,6 +29,7 @@ mod report;
 mod stroke_points;
 mod surface_point;
 mod threads;
+mod with_picks;
 
 /// The compiled part of `smooth_polylines`; import that package instead.
 #[pymodule]

@@ -96,9 +96,9 @@ impl PySurfaceMesh {
         let options =
             Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks("picks", picks)?;
-        let line = run_detached(py, || smooth::polyline(&self.mesh, &picks, &options, &mut watch))?
+        let made = run_detached(py, || smooth::polyline_kept(&self.mesh, &picks, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
-        PyPolyline::new(py, Arc::clone(&self.mesh), line, watch.stop())
+        PyPolyline::new_kept(py, Arc::clone(&self.mesh), made, watch.stop())
     }
 
     /// A smooth line along a stroke: a Polyline.

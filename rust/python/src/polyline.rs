@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyFloat};
-use smooth_polylines_core::{Polyline, SurfaceMesh};
+use smooth_polylines_core::{Kept, Made, Polyline, SurfaceMesh};
 
 use crate::border::{Seconds, run_attached};
 use crate::errors::option_error;
@@ -25,6 +25,8 @@ use crate::report::PyReport;
 pub struct PyPolyline {
     mesh: Arc<SurfaceMesh>,
     line: Polyline,
+    /// For the line with other picks; none of a line that was not made from picks alone.
+    kept: Option<Kept>,
     report: Py<PyReport>,
     points: PyOnceLock<Py<PyArray2<f64>>>,
     triangles: PyOnceLock<Py<PyArray1<i32>>>,
@@ -41,6 +43,7 @@ impl PyPolyline {
         Ok(Self {
             mesh,
             line,
+            kept: None,
             report,
             points: PyOnceLock::new(),
             triangles: PyOnceLock::new(),
@@ -59,6 +62,16 @@ impl PyPolyline {
     /// The line itself.
     pub fn line(&self) -> &Polyline {
         &self.line
+    }
+
+    /// What it keeps for the line with other picks.
+    pub fn kept(&self) -> Option<&Kept> {
+        self.kept.as_ref()
+    }
+
+    /// Takes over a finished line and what it keeps.
+    pub fn new_kept(py: Python<'_>, mesh: Arc<SurfaceMesh>, made: Made, seconds: Seconds) -> PyResult<Self> {
+        Ok(Self { kept: Some(made.kept), ..Self::new(py, mesh, made.line, seconds)? })
     }
 }
 

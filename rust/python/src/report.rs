@@ -74,6 +74,13 @@ impl PyReport {
         self.report.pops
     }
 
+    /// Legs between pins that `Polyline.with_picks` took over from the line before, and of which the other counters do not
+    /// tell: an int, 0 for a fresh line. For `fair` legs of its input, the straightest line through all picks.
+    #[getter]
+    fn kept_legs(&self) -> usize {
+        self.report.kept_legs
+    }
+
     /// Pairs of neighbouring points of a stroke that step B joined, as no straight walk did: an int; 0 for picks.
     #[getter]
     fn stroke_breaks(&self) -> usize {
@@ -139,13 +146,13 @@ impl PyReport {
 
     fn __repr__(&self) -> String {
         let Report { iterations, moves, newton_steps, funnels, vertex_passes, loops_removed, .. } = self.report;
-        let Report { pops, stroke_breaks, stroke_distance, strip_triangles, start_length, new_self_crossings, .. } =
-            self.report;
+        let Report { pops, kept_legs, stroke_breaks, stroke_distance, strip_triangles, start_length, .. } = self.report;
+        let new_self_crossings = self.report.new_self_crossings;
         let detail_size = self.report.detail_size.map_or_else(|| "None".to_owned(), |size| format!("{size:?}"));
         format!(
             "Report(stop_reason='{}', iterations={iterations}, moves={moves}, newton_steps={newton_steps}, \
              funnels={funnels}, vertex_passes={vertex_passes}, loops_removed={loops_removed}, pops={pops}, \
-             stroke_breaks={stroke_breaks}, stroke_distance={stroke_distance:?}, strip_triangles={strip_triangles}, \
+             kept_legs={kept_legs}, stroke_breaks={stroke_breaks}, stroke_distance={stroke_distance:?}, strip_triangles={strip_triangles}, \
              start_length={start_length:?}, detail_size={detail_size}, new_self_crossings={new_self_crossings}, \
              stages={}, seconds={:.6})",
             self.stop_name(),

@@ -102,6 +102,11 @@ impl FairCurve {
         self.input.unit
     }
 
+    /// Length of the input, in the samples' unit.
+    pub fn input_length(&self) -> f64 {
+        self.input.steps.iter().sum()
+    }
+
     fn count(&self) -> usize {
         self.points.len()
     }

@@ -49,6 +49,12 @@ impl Banded {
         if n <= 4 * k + 2 {
             return solve_dense(self.dense(is_ring), right.to_vec());
         }
+        if !is_ring {
+            // No row reaches across the ends: there is no border to put in.
+            let (mut band, mut x) = (self.entries.clone(), right.to_vec());
+            eliminate(&mut band, &mut x, k, 1)?;
+            return x.iter().all(|v| v.is_finite()).then_some(x);
+        }
         let body = n - k;
         // Columns to solve for: the right side, then the border columns.
         let mut band = self.entries[..body * width].to_vec();
@@ -58,7 +64,7 @@ impl Banded {
             for j in 0..width {
                 let wraps = i + j < k || i + j - k >= n;
                 let column = (i + n + j - k) % n;
-                if column >= body && (is_ring || !wraps) {
+                if column >= body {
                     columns[i * (k + 1) + 1 + column - body] += band[i * width + j];
                 }
                 // Across the seam only the border can be reached, as n > 4 k.
@@ -67,7 +73,7 @@ impl Banded {
                 }
             }
         }
-        eliminate(&mut band, &mut columns, k)?;
+        eliminate(&mut band, &mut columns, k, k + 1)?;
         // The border's own equations, with the body put in.
         let mut dense = vec![vec![0.0; k]; k];
         let mut rest = vec![0.0; k];
@@ -75,10 +81,6 @@ impl Banded {
             let i = body + b;
             rest[b] = right[i];
             for (j, &value) in self.row(i).iter().enumerate() {
-                let wraps = i + j < k || i + j - k >= n;
-                if wraps && !is_ring {
-                    continue;
-                }
                 let column = (i + n + j - k) % n;
                 if column >= body {
                     dense[b][column - body] += value;
@@ -112,9 +114,9 @@ impl Banded {
 }
 
 /// Gaussian elimination of a plain band matrix without exchanging rows (the systems here are symmetric and positive, or
-/// close to diagonally dominant); the columns become the solutions.
-fn eliminate(band: &mut [f64], columns: &mut [f64], k: usize) -> Option<()> {
-    let (width, count) = (2 * k + 1, k + 1);
+/// close to diagonally dominant); the `count` columns become the solutions.
+fn eliminate(band: &mut [f64], columns: &mut [f64], k: usize, count: usize) -> Option<()> {
+    let width = 2 * k + 1;
     let n = band.len() / width;
     for i in 0..n {
         let pivot = band[i * width + k];

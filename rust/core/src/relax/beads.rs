@@ -2,6 +2,8 @@
 //!
 //! Holds what the heap and Newton share: edges, parameters, positions, and who is whose neighbour.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::filter::{Edge, Side};
@@ -49,14 +51,45 @@ impl Beads {
         beads
     }
 
-    /// Writes the parameters back to the route that the beads were made from.
-    pub fn write_to(&self, route: &mut Route) {
+    /// The beads of the legs with their flag in `is_open` of the route that the beads were made from, and `margin` more on
+    /// each side; empty if these are all.
+    pub fn near_open(&self, route: &Route, is_open: &[bool], margin: usize) -> Vec<Range<usize>> {
+        if is_open.iter().all(|&open| open) {
+            return Vec::new();
+        }
+        let mut is_near = vec![false; self.len()];
+        let mut next = 0;
+        for (k, &open) in is_open.iter().enumerate() {
+            // As there are legs that are not open, there are pins.
+            let end = next + 1 + route.legs[k].word.len();
+            if open {
+                is_near[next..end].fill(true);
+                let (mut low, mut high) = (next, end - 1);
+                for _ in 0..margin {
+                    low = self.step(low, false).unwrap_or(low);
+                    high = self.step(high, true).unwrap_or(high);
+                    (is_near[low], is_near[high]) = (true, true);
+                }
+            }
+            next = end;
+        }
+        let starts = (0..is_near.len()).filter(|&i| is_near[i] && (i == 0 || !is_near[i - 1]));
+        let end_of = |start: usize| (start..is_near.len()).find(|&i| !is_near[i]).unwrap_or(is_near.len());
+        let near: Vec<_> = starts.map(|start| start..end_of(start)).collect();
+        // Empty means all: where nothing is open, one range without beads.
+        if near.is_empty() { vec![0..0] } else { near }
+    }
+
+    /// Writes the parameters back to the route that the beads were made from; sets the flag of each leg that has changed.
+    pub fn write_to(&self, route: &mut Route, is_changed: &mut [bool]) {
         let mut next = 0;
         for k in 0..route.pins.len().max(route.legs.len()) {
             next += usize::from(k < route.pins.len());
             let Some(leg) = route.legs.get_mut(k) else { continue };
             let count = leg.parameters.len();
-            leg.parameters.copy_from_slice(&self.parameters[next..next + count]);
+            let parameters = &self.parameters[next..next + count];
+            is_changed[k] |= leg.parameters != parameters;
+            leg.parameters.copy_from_slice(parameters);
             next += count;
         }
     }

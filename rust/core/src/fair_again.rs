@@ -1,0 +1,166 @@
+//! A fair line made again where picks have moved, and taken from the line before elsewhere.
+//!
+//! ```text
+//!     ----o----------o==========o     o==========o----------o----     --- taken over     === made again
+//!                  x          .   \ /   .          x                  x   fixed samples, which hold the direction
+//!                                  o
+//! ```
+//!
+//! What a pick does to a spline fades from pick to pick, to 0.27 at equal distances. The legs at the change and those next
+//! to it are made again, as many as it takes for what is left to be small; what was left of earlier changes is added up, so
+//! that it stays small over a long drag. The curve is a draft (`smooth_fair`). Holds which legs; the curve is made there.
+
+use crate::error::{Error, Result};
+use crate::kept::KeptFair;
+use crate::mesh::SurfaceMesh;
+use crate::report::{Observer, Report, StopReason};
+use crate::route::Route;
+use crate::samples::{Samples, end_piece, mean_edge_length};
+use crate::smooth_fair::{DRAFT, FairTask, Lowering, choose_detail_size, smooth_fair, spacing_on};
+use crate::surface_point::SurfacePoint;
+
+/// What is left of a change one leg further: 0.27 at equal distances, more where a short leg follows a long one.
+const FADING: f64 = 0.3;
+
+/// A leg is made again when it may be off by this share of an edge,
+const TOLERANCE: f64 = 0.1;
+/// or by this share of what the pick has moved: a pick that goes far at once is still on its way.
+const TOLERANCE_OF_SHIFT: f64 = 0.05;
+
+/// The fixed sample beside a stretch is so many pieces away from it.
+const CLAMP_PIECES: f64 = 4.0;
+
+/// The line before, for a fair line with other picks.
+#[derive(Clone, Copy, Debug)]
+pub struct FairBefore<'a> {
+    /// What it was.
+    pub route: &'a Route,
+    /// What it has kept.
+    pub kept: &'a KeptFair,
+    /// How far the furthest pick has moved; `None` when there are more or fewer.
+    pub shift: Option<f64>,
+    /// For each leg of the new input, the leg of the old one that is the same.
+    pub same: &'a [Option<usize>],
+}
+
+/// Smooths `route`, the input, of which most legs are those of the line before. Returns how far each leg may be off.
+///
+/// # Errors
+/// As [`smooth_fair`].
+pub fn smooth_fair_again(
+    task: &FairTask,
+    before: &FairBefore,
+    route: &mut Route,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<Vec<f64>> {
+    let count = route.legs.len();
+    // Where picks are not pinned, the legs of the line are not those of its input, and closeness couples all of them.
+    if !task.is_pinned.iter().all(|&pinned| pinned) || before.route.legs.len() != before.kept.input.len() {
+        smooth_fair(task, route, report, observer)?;
+        return Ok(Vec::new());
+    }
+    let input = route.clone();
+    let (stale, is_open) = choose_legs(task.mesh, before, &input);
+    if is_open.iter().all(|&open| open) {
+        smooth_fair(task, route, report, observer)?;
+        return Ok(Vec::new());
+    }
+    for i in (0..count).filter(|&i| !is_open[i]) {
+        if let Some(k) = before.same[i] {
+            route.legs[i].clone_from(&before.route.legs[k]);
+        }
+    }
+    report.detail_size = Some(choose_detail_size(task.mesh, &input, task.is_pinned, task.options.detail_size)?);
+    let begins = |i: usize| is_open[i] && !(if i > 0 { is_open[i - 1] } else { input.closed && is_open[count - 1] });
+    let mut is_settled = true;
+    for start in (0..count).filter(|&i| begins(i)) {
+        let legs: Vec<usize> = (start..start + count).map(|i| i % count).take_while(|&i| is_open[i]).collect();
+        is_settled &= smooth_stretch(task, &input, &legs, route, report, observer)?;
+    }
+    report.stop_reason = match is_settled {
+        false => StopReason::MaxIterations,
+        true if route.touches_vertex() => StopReason::ConvergedAtVertices,
+        true => StopReason::Converged,
+    };
+    Ok(stale)
+}
+
+/// How far each leg may be off once those with their flag are made again.
+fn choose_legs(mesh: &SurfaceMesh, before: &FairBefore, input: &Route) -> (Vec<f64>, Vec<bool>) {
+    let count = input.legs.len();
+    let length = |i: usize| Some(input.legs[i].length(mesh, input.start_pin(i)?, input.end_pin(i)?));
+    let longest = (0..count).filter(|&i| before.same[i].is_none()).filter_map(length).fold(0.0, f64::max);
+    // A pick that came or went has moved as far as it could.
+    let shift = before.shift.unwrap_or(longest);
+    let tolerance = (TOLERANCE * mean_edge_length(mesh, input)).max(TOLERANCE_OF_SHIFT * shift);
+    let distances = distances_from(before.same, input.closed);
+    let (mut stale, mut is_open) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for (same, distance) in before.same.iter().zip(distances) {
+        let old = same.map_or(f64::INFINITY, |k| before.kept.stale.get(k).copied().unwrap_or(0.0));
+        let off = old + shift * FADING.powi(distance as i32);
+        is_open.push(off > tolerance);
+        stale.push(if off > tolerance { 0.0 } else { off });
+    }
+    (stale, is_open)
+}
+
+/// For each leg how many legs it is away from one that is not the same.
+fn distances_from(same: &[Option<usize>], closed: bool) -> Vec<usize> {
+    let count = same.len();
+    let mut distances: Vec<usize> = same.iter().map(|k| if k.is_none() { 0 } else { count }).collect();
+    for _ in 0..if closed { 2 } else { 1 } {
+        for i in 1..count + usize::from(closed) {
+            distances[i % count] = distances[i % count].min(distances[i - 1] + 1);
+        }
+        for i in (usize::from(!closed)..count).rev() {
+            let (here, next) = if closed { (i, (i + 1) % count) } else { (i - 1, i) };
+            distances[here] = distances[here].min(distances[next] + 1);
+        }
+    }
+    distances
+}
+
+/// Makes the consecutive legs `legs` of `route` again, whose other legs are as they were. False at the limit of rounds.
+fn smooth_stretch(
+    task: &FairTask,
+    input: &Route,
+    legs: &[usize],
+    route: &mut Route,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<bool> {
+    let mesh = task.mesh;
+    let (Some(&first), Some(&last), count) = (legs.first(), legs.last(), input.legs.len()) else { return Ok(true) };
+    let pins: Vec<SurfacePoint> =
+        legs.iter().filter_map(|&i| input.start_pin(i)).chain(input.end_pin(last)).copied().collect();
+    let stretch = Route { closed: false, legs: legs.iter().map(|&i| input.legs[i].clone()).collect(), pins };
+    let detail_size = report.detail_size.unwrap_or(f64::INFINITY);
+    let spacing = spacing_on(mesh, &stretch, detail_size);
+    let mut samples = Samples::of_route(mesh, &stretch, &vec![true; stretch.pins.len()], spacing);
+    let sides = [
+        (true, first.checked_sub(1).or(input.closed.then(|| count - 1))),
+        (false, Some((last + 1) % count).filter(|&next| next > 0 || input.closed)),
+    ];
+    let mut is_clamped = [false; 2];
+    for (side, &(is_start, leg)) in sides.iter().enumerate() {
+        let Some(leg) = leg else { continue };
+        let (Some(start), Some(end)) = (input.start_pin(leg), input.end_pin(leg)) else { continue };
+        let (own, of_input) = (route.legs[leg].length(mesh, start, end), input.legs[leg].length(mesh, start, end));
+        let share = (CLAMP_PIECES * spacing / own).min(0.5);
+        let at = if is_start { 1.0 - share } else { share };
+        if let Some((point, piece)) = end_piece(mesh, &route.legs[leg], [start, end], !is_start, at) {
+            samples.clamp(mesh, is_start, point, piece, share * of_input);
+            is_clamped[side] = true;
+        }
+    }
+    let mut lowering = Lowering::new(task, report, observer);
+    let (curve, is_settled) = lowering.refine(&samples, detail_size, &DRAFT)?;
+    lowering.finish();
+    let made = curve.to_route(mesh).ok_or(Error::Collapsed { iterations: 0 })?;
+    let made = made.legs.into_iter().skip(usize::from(is_clamped[0]));
+    for (&i, leg) in legs.iter().zip(made) {
+        route.legs[i] = leg;
+    }
+    Ok(is_settled)
+}
