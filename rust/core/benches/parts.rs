@@ -10,8 +10,9 @@ use std::time::Duration;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use smooth_polylines_core::adjacency::Adjacency;
+use smooth_polylines_core::filter::geodesic::Workspace;
 use smooth_polylines_core::ids::TriangleId;
-use smooth_polylines_core::join::{join_picks, search_end};
+use smooth_polylines_core::join::{join_picks, place_picks, search_end};
 use smooth_polylines_core::relax::beads::Beads;
 use smooth_polylines_core::relax::funnel::{Funnel, shortest_crossings};
 use smooth_polylines_core::relax::newton::relax_by_newton;
@@ -119,8 +120,9 @@ fn time_step_b(criterion: &mut Criterion, scene: &Scene) {
 /// The route across the mesh, from step B, with its report.
 fn start_route(scene: &Scene, options: &Options) -> (Route, Report) {
     let mut report = Report::default();
-    let input = join_picks(&scene.mesh, &scene.across, options, &mut report, &mut NoObserver);
-    (input.expect("legal picks").route, report)
+    let stations = place_picks(&scene.mesh, &scene.across, options).expect("legal picks");
+    let input = join_picks(&scene.mesh, &stations, options, &mut report, &mut NoObserver);
+    (input.expect("connected picks").route, report)
 }
 
 fn time_whole_strips(criterion: &mut Criterion, scene: &Scene) {
@@ -137,7 +139,8 @@ fn time_whole_strips(criterion: &mut Criterion, scene: &Scene) {
         });
     });
     let mut straight = route.clone();
-    smooth_geodesic(mesh, &mut straight, &geodesic(), &mut report.clone(), &mut NoObserver).expect("an open line");
+    smooth_geodesic(mesh, &mut straight, &geodesic(), &mut Workspace::default(), &mut report.clone(), &mut NoObserver)
+        .expect("an open line");
     let beads = Beads::of_route(mesh, &straight);
     criterion.bench_function(&format!("{name}/newton/across"), |bench| {
         bench.iter_batched_ref(|| beads.clone(), relax_by_newton, BatchSize::SmallInput);

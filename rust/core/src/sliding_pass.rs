@@ -254,7 +254,7 @@ fn try_fan(
     }
     after.iter().for_each(|&p| beads.push_fixed(p));
     let moves = FAN_MOVES * (fan.len() as u64 + 1);
-    let outcome = relax_by_heap(&mut beads, filter, threshold, moves, &[], || ControlFlow::Continue(()));
+    let outcome = relax_by_heap(&mut beads, filter, threshold, moves, None, || ControlFlow::Continue(()));
     report.moves += outcome.moves;
     let (was, is) = (filter.measure(&attempt.old), filter.measure(&beads.positions));
     // Written so that a measure that is not a number is refused.

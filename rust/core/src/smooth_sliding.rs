@@ -81,7 +81,7 @@ pub fn smooth_sliding(
             let share = if by_newton { MOVES_AFTER_NEWTON * crossings as u64 } else { most_moves };
             let moves_left = most_moves.saturating_sub(report.moves).min(share);
             let first = beads.near_open(route, &is_open, 2 * filter.reach());
-            let outcome = relax_by_heap(&mut beads, filter, threshold, moves_left, &first, || {
+            let outcome = relax_by_heap(&mut beads, filter, threshold, moves_left, first.as_deref(), || {
                 let flow = observer.step(Step::Relax);
                 is_stopped = flow == ControlFlow::Break(());
                 flow
@@ -169,7 +169,7 @@ fn settle_by_newton(beads: &mut Beads, filter: &impl SlidingFilter, report: &mut
             return true;
         }
         let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
-        let outcome = relax_by_heap(beads, filter, NEWTON_TOLERANCE, moves, &[], || ControlFlow::Continue(()));
+        let outcome = relax_by_heap(beads, filter, NEWTON_TOLERANCE, moves, None, || ControlFlow::Continue(()));
         report.moves += outcome.moves;
     }
     false

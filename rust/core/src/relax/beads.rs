@@ -52,10 +52,10 @@ impl Beads {
     }
 
     /// The beads of the legs with their flag in `is_open` of the route that the beads were made from, and `margin` more on
-    /// each side; empty if these are all.
-    pub fn near_open(&self, route: &Route, is_open: &[bool], margin: usize) -> Vec<Range<usize>> {
+    /// each side; `None` if these are all.
+    pub fn near_open(&self, route: &Route, is_open: &[bool], margin: usize) -> Option<Vec<Range<usize>>> {
         if is_open.iter().all(|&open| open) {
-            return Vec::new();
+            return None;
         }
         let mut is_near = vec![false; self.len()];
         let mut next = 0;
@@ -75,9 +75,7 @@ impl Beads {
         }
         let starts = (0..is_near.len()).filter(|&i| is_near[i] && (i == 0 || !is_near[i - 1]));
         let end_of = |start: usize| (start..is_near.len()).find(|&i| !is_near[i]).unwrap_or(is_near.len());
-        let near: Vec<_> = starts.map(|start| start..end_of(start)).collect();
-        // Empty means all: where nothing is open, one range without beads.
-        if near.is_empty() { vec![0..0] } else { near }
+        Some(starts.map(|start| start..end_of(start)).collect())
     }
 
     /// Writes the parameters back to the route that the beads were made from; sets the flag of each leg that has changed.
@@ -85,10 +83,10 @@ impl Beads {
         let mut next = 0;
         for k in 0..route.pins.len().max(route.legs.len()) {
             next += usize::from(k < route.pins.len());
-            let Some(leg) = route.legs.get_mut(k) else { continue };
+            let Some((leg, changed)) = route.legs.get_mut(k).zip(is_changed.get_mut(k)) else { continue };
             let count = leg.parameters.len();
             let parameters = &self.parameters[next..next + count];
-            is_changed[k] |= leg.parameters != parameters;
+            *changed |= leg.parameters != parameters;
             leg.parameters.copy_from_slice(parameters);
             next += count;
         }

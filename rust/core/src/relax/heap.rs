@@ -58,7 +58,7 @@ struct Swing {
 
 /// Slides the beads until no free one is further than `threshold` (barycentric units) from its target, or until
 /// `move_limit` moves. `on_pause` is called now and then and may stop the work. `first`: the beads that may be off their
-/// targets at first; empty: all.
+/// targets at first; `None`: all.
 ///
 /// Ties go to the earlier vertex. Cost: O(log n) and at most `2 reach` targets a move, one or two more next to an end.
 pub fn relax_by_heap(
@@ -66,7 +66,7 @@ pub fn relax_by_heap(
     filter: &impl SlidingFilter,
     threshold: f64,
     move_limit: u64,
-    first: &[Range<usize>],
+    first: Option<&[Range<usize>]>,
     mut on_pause: impl FnMut() -> ControlFlow<()>,
 ) -> HeapOutcome {
     let mut heap = ErrorHeap::new(beads.len());
@@ -74,7 +74,7 @@ pub fn relax_by_heap(
     let mut swings: Vec<Swing> = beads.parameters.iter().map(start).collect();
     let mut sides = Neighbours::default();
     let all = 0..beads.len();
-    for i in if first.is_empty() { slice::from_ref(&all) } else { first }.iter().cloned().flatten() {
+    for i in first.unwrap_or(slice::from_ref(&all)).iter().cloned().flatten() {
         judge(beads, filter, i, threshold, &mut swings[i], &mut heap, &mut sides);
     }
     let reach = filter.reach();
@@ -269,7 +269,7 @@ mod tests {
             beads.push(edge, if i % 2 == 0 { 0.1 } else { 0.9 });
         }
         beads.push_fixed(DVec3::new(6.0, 1.5, 0.0));
-        let outcome = relax_by_heap(&mut beads, &Linear, 1e-12, 100_000, &[], || ControlFlow::Continue(()));
+        let outcome = relax_by_heap(&mut beads, &Linear, 1e-12, 100_000, None, || ControlFlow::Continue(()));
         assert_eq!(outcome.end, HeapEnd::Settled);
         for p in &beads.positions {
             assert!((p.y - p.x / 4.0).abs() < 1e-10, "{p}");
