@@ -54,9 +54,11 @@ impl PyPolyline {
     /// >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     /// >>> mesh = sp.SurfaceMesh(square, [[0, 1, 2], [0, 2, 3]])
     /// >>> line = mesh.polyline([0, 1], filter="geodesic")
-    /// >>> moved = line.with_picks([(0, (0.5, 0.25, 0.25)), 1])
-    /// >>> moved.points[0]
-    /// array([0.5 , 0.25, 0.  ])
+    /// >>> moved = line.with_picks([(0, (0.25, 0.5, 0.25)), 1])
+    /// >>> moved.points.round(3)
+    /// array([[0.75 , 0.25 , 0.   ],
+    ///        [0.583, 0.583, 0.   ],
+    ///        [0.333, 0.667, 0.   ]])
     #[pyo3(signature = (picks, pinned=None), text_signature = "($self, picks, pinned=None)")]
     fn with_picks(
         &self,
