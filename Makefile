@@ -31,7 +31,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup dev demo images images-gui test test-rust test-native test-addon test-batch test-newest test-package \
+.PHONY: help setup dev demo images images-gui example test test-rust test-native test-addon test-batch test-newest test-package \
     test-render test-gui test-batch-large test-package-all bench fmt lint wheel release-wheel extension repository clean
 
 help: ## list the commands
@@ -123,6 +123,12 @@ images: $(VENV)/.wheel.stamp ## make the pictures of the README and the docs aga
 	@mkdir -p docs/images && cp out/images/demo.png docs/images/suzanne.png && cp out/images/fair/demo.png docs/images/fair.png
 	$(BIN)/python blender_scripts/seam_pictures.py --output docs/images
 	$(if $(wildcard $(NET_MESH)),$(BIN)/python blender_scripts/net_picture.py --mesh $(NET_MESH) --output docs/images,@echo "NOT MADE: docs/images/net.png, which needs the test mesh $(NET_MESH)")
+
+example: $(VENV)/.wheel.stamp ## the example with PyVista: docs/images/pyvista.png (downloads about 150 MB the first time)
+	@[ -e .venv-plot/.stamp ] || { $(PYTHON) -m venv .venv-plot && \
+	    .venv-plot/bin/pip install --quiet --only-binary :all: pyvista==0.49.1 vtk==9.7.2 && touch .venv-plot/.stamp; }
+	.venv-plot/bin/pip install --quiet --force-reinstall --no-deps --no-index $(WHEELS)/*.whl
+	.venv-plot/bin/python examples/pyvista_line.py docs/images/pyvista.png
 
 # --- checking ---------------------------------------------------------------------------------------------
 
@@ -231,4 +237,4 @@ lint: $(VENV)/.requirements.stamp ## formats, clippy, rustdoc, ruff: no change, 
 
 clean: ## remove everything that was built, and the virtual environments
 	cargo clean
-	rm -rf $(VENV) $(NEWEST) $(RELEASE) $(BENCH) .blender dist out .pytest_cache .ruff_cache
+	rm -rf $(VENV) $(NEWEST) $(RELEASE) $(BENCH) .venv-plot .venv-blender-* .blender dist out .pytest_cache .ruff_cache

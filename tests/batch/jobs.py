@@ -151,6 +151,11 @@ def read_report(folder, name="report.jsonl"):
     return [json.loads(line) for line in (folder / name).read_text(encoding="utf-8").splitlines()]
 
 
+def count_records(folder):
+    """How many results there are under `folder`, also while a run is at work in it."""
+    return sum("record.json" in files and ".part-" not in where for where, _, files in os.walk(folder))
+
+
 def hash_tree(folder):
     """Each file under `folder`, but for what runs keep for themselves, and a checksum of its bytes."""
     found = {}

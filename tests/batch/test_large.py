@@ -10,8 +10,6 @@ import meshes
 from batch import jobs
 from batch.test_runs import start, wait_for
 
-from batching import store  # isort: skip
-
 pytestmark = pytest.mark.skipif(
     "SMOOTH_POLYLINES_LARGE" not in os.environ, reason="takes some minutes: make test-batch-large"
 )
@@ -55,7 +53,7 @@ def test_200_files_10_broken_killed_in_the_middle_and_started_again(inputs, tmp_
     assert sum(name.endswith("record.json") for name in expected) == FILES - len(errors)
 
     run = start(folder / "disturbed-made.json", "--jobs", "2")
-    wait_for(lambda: len(list((tmp_path / "disturbed").rglob(store.RECORD_NAME))) >= 80, seconds=600)
+    wait_for(lambda: jobs.count_records(tmp_path / "disturbed") >= 80, seconds=600)
     run.kill()
     run.communicate()
     time.sleep(1)

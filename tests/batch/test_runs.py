@@ -31,7 +31,7 @@ def wait_for(condition, seconds=120):
 
 
 def count_records(folder):
-    return len(list((folder / "out").rglob(store.RECORD_NAME)))
+    return jobs.count_records(folder / "out")
 
 
 @pytest.fixture
