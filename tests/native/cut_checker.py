@@ -56,15 +56,17 @@ def volume(positions, triangles):
 
 
 def faces_by_line(triangles, line_edges):
-    """Label of the part that each triangle is in when the mesh is cut open along `line_edges`."""
-    lines = set(map(tuple, np.asarray(line_edges).tolist()))
-    by_edge = defaultdict(list)
-    for side, key in enumerate(map(tuple, np.sort(sides_of(triangles), axis=1).tolist())):
-        by_edge[key].append(side // 3)
-    pairs = [(faces[0], other) for key, faces in by_edge.items() if key not in lines for other in faces[1:]]
+    """Parts of the mesh when it is cut open along `line_edges`: their number, and the part of each triangle."""
+    sides = np.sort(sides_of(triangles), axis=1).astype(np.int64)
+    bound = int(sides.max(initial=0)) + 1
+    keys = sides[:, 0] * bound + sides[:, 1]
+    lines = np.asarray(line_edges, dtype=np.int64).reshape(-1, 2)
+    keys[np.isin(keys, lines[:, 0] * bound + lines[:, 1])] = -1
+    order = np.argsort(keys, kind="stable")
+    joined = (keys[order][1:] == keys[order][:-1]) & (keys[order][1:] >= 0)
+    a, b = order[:-1][joined] // 3, order[1:][joined] // 3
     n = len(triangles)
-    rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    return connected_components(coo_matrix((np.ones(len(rows)), rows.T), shape=(n, n)))
+    return connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(n, n)))
 
 
 def distances(points, chain, closed):
@@ -88,13 +90,16 @@ class CutChecker:
         self.diagonals = None
         self.outlines = None if faces is None else fan_outlines(self.triangles, np.asarray(faces))
 
-    def check(self, cut, lines, tolerance):
-        """Assert everything that a cut promises; returns the triangles' parts when it is opened along the lines."""
+    def check(self, cut, lines, tolerance, moves=4):
+        """Assert everything that a cut promises; returns the triangles' parts when it is opened along the lines.
+
+        `moves`: how often the tolerance may add up where lines crowd.
+        """
         self._check_vertices(cut, tolerance)
         self._check_triangles(cut)
         self._check_edges(cut)
         self._check_whole(cut)
-        self._check_lines(cut, lines, tolerance)
+        self._check_lines(cut, lines, moves * tolerance)
         self._check_polygons(cut)
         return faces_by_line(cut.triangles, cut.line_edges)
 
@@ -235,7 +240,7 @@ class CutChecker:
             # And every point of the line is on the chain, but for the snapping.
             missed = distances(line.points, cut.positions[chain], line.closed)
             holders = reach[np.minimum(np.arange(len(missed)), len(reach) - 1)]
-            allowed = 4 * tolerance * np.maximum(holders, np.roll(holders, 1)) + 1e-9 * reach.max()
+            allowed = tolerance * np.maximum(holders, np.roll(holders, 1)) + 1e-9 * reach.max()
             assert (missed <= allowed).all(), "a point of the line is missed"
         assert seen == told
 

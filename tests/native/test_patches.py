@@ -208,3 +208,30 @@ def test_lines_that_need_not_cross_are_parted():
             assert not set(pairs[a]) & set(pairs[b]), "lines that share a pick cross"
     assert forced > 0
     assert before >= forced
+
+
+@pytest.mark.parametrize("name", ["bunny00.off", "igea.ply"])
+def test_the_net_of_the_papers_figure_18_on_a_real_mesh(name):
+    """Ten picks, nineteen lines, the linear filter: the mesh is parted as Euler says."""
+    surface = open_surface(name)
+    picks = spread_picks(surface.positions, surface.triangles, 10)
+    full = surface.mesh.network(picks, "automatic", filter="linear")
+    assert len(full.crossings) == 0
+    # Neighbours all of them, less the longest: nineteen.
+    lengths = [line.length for line in full]
+    kept = np.sort(np.argsort(lengths, kind="stable")[:19])
+    net = surface.mesh.network(picks, full.connections[kept], filter="linear", avoid_crossings=True)
+    assert (len(net), len(net.crossings)) == (19, 0)
+    patches = net.patches()
+    cut = patches.cut
+    count, labels = faces_by_line(cut.triangles, cut.line_edges)
+    assert len(patches) == count
+    assert len(set(zip(labels.tolist(), patches.triangle_patches.tolist(), strict=True))) == count
+    # V - E + F = 2, all patches discs: of the net, and of the cut mesh.
+    assert 10 - 19 + count == 2
+    assert (patches.euler == 1).all()
+    assert patches.sides.sum() == 2 * 19
+    edges = np.unique(np.sort(cut.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    assert len(cut.positions) - len(edges) + len(cut.triangles) == 2
+    a, b, c = (surface.positions[surface.triangles[:, k]] for k in range(3))
+    assert patches.areas.sum() == pytest.approx(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2, rel=1e-9)

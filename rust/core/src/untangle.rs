@@ -71,25 +71,33 @@ pub fn untangle(
     Ok(crossings)
 }
 
-/// Takes out lines until none cross any more, the longest of those that cross first: for nets whose connections nobody asked
-/// for by name. Returns for each line whether it stays.
+/// Takes out lines until none cross any more: those stay that cross no shorter one that stays. For nets whose connections
+/// nobody asked for by name. Returns for each line whether it stays.
 ///
 /// # Errors
 /// See [`find_crossings`].
 pub fn drop_crossing(mesh: &SurfaceMesh, lines: &mut [Option<Polyline>]) -> Result<Vec<bool>> {
+    let crossings = find_transversal(mesh, lines)?;
+    let mut order: Vec<(usize, f64)> =
+        lines.iter().enumerate().filter_map(|(i, line)| Some((i, line.as_ref()?.length()))).collect();
+    order.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut stays = vec![true; lines.len()];
-    let mut crossings = find_transversal(mesh, lines)?;
-    crossings.retain(|crossing| crossing.lines[0] != crossing.lines[1]);
-    loop {
-        let length = |line: u32| lines[line as usize].as_ref().map_or(0.0, Polyline::length);
-        let longest = crossings.iter().flat_map(|crossing| crossing.lines);
-        let Some(longest) = longest.max_by(|&a, &b| length(a).total_cmp(&length(b)).then(b.cmp(&a))) else {
-            return Ok(stays);
-        };
-        stays[longest as usize] = false;
-        lines[longest as usize] = None;
-        crossings.retain(|crossing| !crossing.lines.contains(&longest));
+    let mut is_placed = vec![false; lines.len()];
+    for (line, _) in order {
+        let others =
+            crossings.iter().map(|crossing| crossing.lines.map(|l| l as usize)).filter_map(|[a, b]| match line {
+                _ if a == b => None,
+                _ if a == line => Some(b),
+                _ if b == line => Some(a),
+                _ => None,
+            });
+        stays[line] = !others.into_iter().any(|other| is_placed[other]);
+        is_placed[line] = stays[line];
+        if !stays[line] {
+            lines[line] = None;
+        }
     }
+    Ok(stays)
 }
 
 /// Crossings, less where lines only touch; lines are named by their places.

@@ -9,7 +9,6 @@ use pyo3::types::PyList;
 use smooth_polylines_core::SurfaceMesh;
 use smooth_polylines_core::embed::Embedding;
 use smooth_polylines_core::embed::crossings::Crossing;
-use smooth_polylines_core::embed::cut::CutPolygons;
 
 use crate::border::run_detached;
 use crate::frozen_arrays::{freeze_owned, freeze_vector, id_rows};
@@ -23,7 +22,6 @@ use crate::frozen_arrays::{freeze_owned, freeze_vector, id_rows};
 pub struct PyCut {
     mesh: Arc<SurfaceMesh>,
     embedding: Embedding,
-    polygons: OnceLock<CutPolygons>,
     crossings: OnceLock<Vec<Crossing>>,
     arrays: Arrays,
 }
@@ -34,29 +32,27 @@ type TriangleArrays = (Py<PyArray2<i32>>, Py<PyArray1<i32>>);
 struct Arrays {
     positions: PyOnceLock<Py<PyArray2<f64>>>,
     triangles: PyOnceLock<TriangleArrays>,
-    polygon_corners: PyOnceLock<Py<PyArray1<i32>>>,
-    polygon_offsets: PyOnceLock<Py<PyArray1<i32>>>,
-    polygon_parents: PyOnceLock<Py<PyArray1<i32>>>,
-    triangle_polygons: PyOnceLock<Py<PyArray1<i32>>>,
+    polygons: PyOnceLock<PolygonArrays>,
+}
+
+struct PolygonArrays {
+    corners: Py<PyArray1<i32>>,
+    offsets: Py<PyArray1<i32>>,
+    parents: Py<PyArray1<i32>>,
+    of_triangles: Py<PyArray1<i32>>,
+    changed: Py<PyArray1<i32>>,
 }
 
 impl Arrays {
     fn none_yet() -> Self {
-        Self {
-            positions: PyOnceLock::new(),
-            triangles: PyOnceLock::new(),
-            polygon_corners: PyOnceLock::new(),
-            polygon_offsets: PyOnceLock::new(),
-            polygon_parents: PyOnceLock::new(),
-            triangle_polygons: PyOnceLock::new(),
-        }
+        Self { positions: PyOnceLock::new(), triangles: PyOnceLock::new(), polygons: PyOnceLock::new() }
     }
 }
 
 impl PyCut {
     /// Wraps what the core made of lines of `mesh`.
     pub fn new(mesh: Arc<SurfaceMesh>, embedding: Embedding) -> Self {
-        Self { mesh, embedding, polygons: OnceLock::new(), crossings: OnceLock::new(), arrays: Arrays::none_yet() }
+        Self { mesh, embedding, crossings: OnceLock::new(), arrays: Arrays::none_yet() }
     }
 
     /// The mesh that was cut, and how.
@@ -64,9 +60,21 @@ impl PyCut {
         (&self.mesh, &self.embedding)
     }
 
-    /// Polygons after the cut.
-    pub fn polygons(&self, py: Python<'_>) -> PyResult<&CutPolygons> {
-        run_detached(py, || self.polygons.get_or_init(|| self.embedding.polygons(&self.mesh)))
+    fn polygon_arrays(&self, py: Python<'_>) -> PyResult<&PolygonArrays> {
+        self.arrays.polygons.get_or_try_init(py, || {
+            let made = run_detached(py, || {
+                let made = self.embedding.polygons(&self.mesh);
+                [made.corners, made.offsets, made.parents, made.of_triangles, made.changed].map(ids)
+            })?;
+            let [corners, offsets, parents, of_triangles, changed] = made.map(|part| freeze_vector(py, part));
+            Ok(PolygonArrays {
+                corners: corners?,
+                offsets: offsets?,
+                parents: parents?,
+                of_triangles: of_triangles?,
+                changed: changed?,
+            })
+        })
     }
 
     fn crossings_of(&self, py: Python<'_>) -> PyResult<&[Crossing]> {
@@ -86,16 +94,6 @@ impl PyCut {
             })?;
             Ok((freeze_owned(py, rows)?, freeze_vector(py, parents)?))
         })
-    }
-
-    fn polygon_array(
-        &self,
-        py: Python<'_>,
-        slot: &PyOnceLock<Py<PyArray1<i32>>>,
-        part: impl FnOnce(&CutPolygons) -> &Vec<u32>,
-    ) -> PyResult<Py<PyArray1<i32>>> {
-        let polygons = self.polygons(py)?;
-        Ok(slot.get_or_try_init(py, || freeze_vector(py, ids(part(polygons).clone())))?.clone_ref(py))
     }
 }
 
@@ -156,7 +154,7 @@ impl PyCut {
     /// The polygon after the cut that each triangle belongs to: (F',) int32.
     #[getter]
     fn triangle_polygons(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
-        self.polygon_array(py, &self.arrays.triangle_polygons, |polygons| &polygons.of_triangles)
+        Ok(self.polygon_arrays(py)?.of_triangles.clone_ref(py))
     }
 
     /// Corners of all polygons, one after another: (C,) int32.
@@ -165,25 +163,25 @@ impl PyCut {
     /// they are the triangles.
     #[getter]
     fn polygon_corners(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
-        self.polygon_array(py, &self.arrays.polygon_corners, |polygons| &polygons.corners)
+        Ok(self.polygon_arrays(py)?.corners.clone_ref(py))
     }
 
     /// Where each polygon begins in `polygon_corners`, and at last their number: (P' + 1,) int32.
     #[getter]
     fn polygon_offsets(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
-        self.polygon_array(py, &self.arrays.polygon_offsets, |polygons| &polygons.offsets)
+        Ok(self.polygon_arrays(py)?.offsets.clone_ref(py))
     }
 
     /// The face id that each polygon is a piece of, or is: (P',) int32.
     #[getter]
     fn polygon_parents(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
-        self.polygon_array(py, &self.arrays.polygon_parents, |polygons| &polygons.parents)
+        Ok(self.polygon_arrays(py)?.parents.clone_ref(py))
     }
 
     /// Polygons that are not as they were, by rising number: (n,) int32. Pieces, and those with a new vertex on an edge.
     #[getter]
     fn changed_polygons(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
-        freeze_vector(py, ids(self.polygons(py)?.changed.clone()))
+        Ok(self.polygon_arrays(py)?.changed.clone_ref(py))
     }
 
     /// For each line the vertices along it, consecutive ones joined by an edge: a list of (k,) int32.

@@ -30,8 +30,8 @@ impl PySurfaceMesh {
     ///     Positions in `picks`: line i goes from the first to the second. Or each pick with each, each with the next, the
     ///     same and the last with the first. Or those that are neighbours on the surface (the Delaunay graph of the picks,
     ///     by a search from all of them at once), which divide it into patches around them: on a closed surface without
-    ///     handles, picks that are well spread give patches of three sides. Of lines of "automatic" that cross all the
-    ///     same, the longest are left out.
+    ///     handles, picks that are well spread give patches of three sides. A line of "automatic" that all the
+    ///     same crosses a shorter one is left out.
     /// avoid_crossings : bool, optional
     ///     Whether lines that share a pick or cross twice are led round each other. None: True for a word, False for
     ///     an array, whose lines are those of `polyline` to the bit. What still crosses then is forced by the picks, and

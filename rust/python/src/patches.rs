@@ -52,7 +52,8 @@ impl PyPatches {
     /// The patch of each polygon of the cut: (P',) int32.
     #[getter]
     fn polygon_patches(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i32>>> {
-        let polygons = self.cut.get().polygons(py)?;
+        let (mesh, embedding) = self.cut.get().parts();
+        let polygons = run_detached(py, || embedding.polygons(mesh))?;
         let mut patches = vec![-1; polygons.parents.len()];
         for (&polygon, &patch) in polygons.of_triangles.iter().zip(&self.found.of_triangles) {
             patches[polygon as usize] = patch as i32;

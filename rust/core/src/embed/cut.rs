@@ -3,11 +3,12 @@
 //! Row `i` of the triangles is triangle `i`, or the first piece of it; the other pieces come after all of them. The same
 //! holds for polygons, which are in the order of their face ids.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::DVec3;
 
 use super::Embedding;
+use super::loops::{outline, outline_of_two};
 use super::polygon_pieces::{PolygonPiece, join_pieces};
 use crate::mesh::SurfaceMesh;
 
@@ -78,78 +79,50 @@ impl Embedding {
         let Some(polygons) = mesh.polygons() else {
             return self.triangles_as_polygons(mesh);
         };
-        let line_edges: HashSet<[u32; 2]> = self.line_edges().into_iter().collect();
-        // Rows of the pieces of each cut triangle.
-        let mut rows: BTreeMap<u32, Vec<(u32, [u32; 3])>> = BTreeMap::new();
+        let (rows, row_count) = self.rows_of_pieces(mesh);
+        let faces = polygons.faces();
+        let mut touched: Vec<u32> = self.visited.iter().chain(rows.keys()).map(|&t| faces[t as usize]).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        let mut touched = touched.into_iter().peekable();
+        let joiner = Joiner { mesh, embedding: self, rows, line_edges: self.line_edges().into_iter().collect() };
+        let mut made = CutPolygons { of_triangles: vec![0; row_count as usize], ..CutPolygons::default() };
+        made.corners.reserve(mesh.triangles().len() * 3);
+        let mut later: Vec<(u32, JoinedPiece)> = Vec::new();
+        polygons.for_each(|face, own| {
+            let is_touched = touched.next_if_eq(&face).is_some();
+            if !is_touched && made.push_whole(mesh, face, own) {
+                return;
+            }
+            let (pieces, is_changed) = joiner.join(own);
+            let mut pieces = pieces.into_iter();
+            if let Some(first) = pieces.next() {
+                let polygon = made.push(&first.corners, face, &first.rows);
+                if is_changed {
+                    made.changed.push(polygon);
+                }
+            }
+            later.extend(pieces.map(|piece| (face, piece)));
+        });
+        for (face, piece) in later {
+            let polygon = made.push(&piece.corners, face, &piece.rows);
+            made.changed.push(polygon);
+        }
+        made.offsets.push(made.corners.len() as u32);
+        made
+    }
+
+    /// For each cut triangle its pieces with their rows among the triangles after the cut, and how many rows there are.
+    fn rows_of_pieces(&self, mesh: &SurfaceMesh) -> (BTreeMap<u32, Vec<Row>>, u32) {
+        let mut rows: BTreeMap<u32, Vec<Row>> = BTreeMap::new();
         let mut next = mesh.triangles().len() as u32;
         for cut in &self.cut {
             let list = rows.entry(cut.triangle.0).or_default();
             list.push((cut.triangle.0, cut.pieces[0]));
-            for &piece in &cut.pieces[1..] {
-                list.push((next, piece));
-                next += 1;
-            }
+            list.extend((next..).zip(cut.pieces[1..].iter().copied()));
+            next += cut.pieces.len() as u32 - 1;
         }
-        let faces = polygons.faces();
-        let touched = self.visited.iter().chain(rows.keys());
-        let touched: HashSet<u32> = touched.map(|&t| faces[t as usize]).collect();
-        let place = |v: u32| match (v as usize).checked_sub(mesh.positions().len()) {
-            None => mesh.positions()[v as usize],
-            Some(new) => mesh.position_of(&self.new[new].point),
-        };
-        let mut made = CutPolygons { of_triangles: vec![0; next as usize], ..CutPolygons::default() };
-        made.corners.reserve(mesh.triangles().len() * 3);
-        let mut later: Vec<(u32, PolygonPiece, Vec<u32>)> = Vec::new();
-        let mut members: Vec<(u32, [u32; 3])> = Vec::new();
-        polygons.for_each(|face, own| {
-            members.clear();
-            if touched.contains(&face) {
-                for &t in own {
-                    match rows.get(&t) {
-                        Some(pieces) => members.extend_from_slice(pieces),
-                        None => members.push((t, mesh.triangles()[t as usize])),
-                    }
-                }
-            } else {
-                members.extend(own.iter().map(|&t| (t, mesh.triangles()[t as usize])));
-            }
-            let triangles: Vec<[u32; 3]> = members.iter().map(|m| m.1).collect();
-            let plain = (!touched.contains(&face)).then(|| super::loops::outline(&triangles)).flatten();
-            if let Some(corners) = plain {
-                let polygon = made.push(&corners, face);
-                for &t in own {
-                    made.of_triangles[t as usize] = polygon;
-                }
-                return;
-            }
-            let own_triangles: Vec<[u32; 3]> = own.iter().map(|&t| mesh.triangles()[t as usize]).collect();
-            let before = super::loops::outline(&own_triangles);
-            let is_line = |a: u32, b: u32| line_edges.contains(&[a, b]);
-            let mut pieces = join_pieces(&triangles, is_line, |a, b| place(a).distance(place(b)));
-            let order = before.clone().unwrap_or_else(|| own_triangles.as_flattened().to_vec());
-            pieces.iter_mut().for_each(|piece| begin_early(&mut piece.corners, &order));
-            pieces.sort_by_key(|piece| (place_in(&order, piece.corners[0]), piece.members[0]));
-            let is_changed = pieces.len() > 1 || before.as_ref() != Some(&pieces[0].corners);
-            for (i, piece) in pieces.into_iter().enumerate() {
-                let rows: Vec<u32> = piece.members.iter().map(|&m| members[m as usize].0).collect();
-                if i > 0 {
-                    later.push((face, piece, rows));
-                    continue;
-                }
-                let polygon = made.push(&piece.corners, face);
-                if is_changed {
-                    made.changed.push(polygon);
-                }
-                rows.iter().for_each(|&row| made.of_triangles[row as usize] = polygon);
-            }
-        });
-        for (face, piece, rows) in later {
-            let polygon = made.push(&piece.corners, face);
-            made.changed.push(polygon);
-            rows.iter().for_each(|&row| made.of_triangles[row as usize] = polygon);
-        }
-        made.offsets.push(made.corners.len() as u32);
-        made
+        (rows, next)
     }
 
     fn triangles_as_polygons(&self, mesh: &SurfaceMesh) -> CutPolygons {
@@ -167,21 +140,86 @@ impl Embedding {
 }
 
 impl CutPolygons {
-    fn push(&mut self, corners: &[u32], face: u32) -> u32 {
+    fn push(&mut self, corners: &[u32], face: u32, rows: &[u32]) -> u32 {
+        let polygon = self.parents.len() as u32;
         self.offsets.push(self.corners.len() as u32);
         self.corners.extend_from_slice(corners);
         self.parents.push(face);
-        self.parents.len() as u32 - 1
+        rows.iter().for_each(|&row| self.of_triangles[row as usize] = polygon);
+        polygon
+    }
+
+    /// Adds a polygon that no line met; false where its triangles are none.
+    fn push_whole(&mut self, mesh: &SurfaceMesh, face: u32, own: &[u32]) -> bool {
+        let corners = |t: u32| mesh.triangles()[t as usize];
+        match *own {
+            [t] => {
+                self.push(&corners(t), face, own);
+                true
+            }
+            [s, t] => outline_of_two(corners(s), corners(t)).map(|outline| self.push(&outline, face, own)).is_some(),
+            _ => {
+                let triangles: Vec<_> = own.iter().map(|&t| corners(t)).collect();
+                outline(&triangles).map(|outline| self.push(&outline, face, own)).is_some()
+            }
+        }
     }
 }
 
-/// Place of a vertex in the outline that a polygon had; new ones come last.
-fn place_in(order: &[u32], vertex: u32) -> usize {
-    order.iter().position(|&v| v == vertex).unwrap_or(usize::MAX)
+/// A triangle after the cut, by its row.
+type Row = (u32, [u32; 3]);
+
+/// A polygon after the cut, and the rows of its triangles.
+struct JoinedPiece {
+    corners: Vec<u32>,
+    rows: Vec<u32>,
 }
 
-/// Turns the outline so that it begins with the corner that came first before.
-fn begin_early(corners: &mut [u32], order: &[u32]) {
-    let first = (0..corners.len()).min_by_key(|&i| (place_in(order, corners[i]), corners[i]));
-    corners.rotate_left(first.unwrap_or(0));
+/// Joins the pieces of polygons that lines met.
+struct Joiner<'a> {
+    mesh: &'a SurfaceMesh,
+    embedding: &'a Embedding,
+    rows: BTreeMap<u32, Vec<Row>>,
+    line_edges: HashSet<[u32; 2]>,
+}
+
+impl Joiner<'_> {
+    /// The polygons that the triangles `own` of one polygon become, and whether that is another than it was.
+    fn join(&self, own: &[u32]) -> (Vec<JoinedPiece>, bool) {
+        let before: Vec<[u32; 3]> = own.iter().map(|&t| self.mesh.triangles()[t as usize]).collect();
+        let mut members: Vec<Row> = Vec::new();
+        for (&t, &corners) in own.iter().zip(&before) {
+            match self.rows.get(&t) {
+                Some(pieces) => members.extend_from_slice(pieces),
+                None => members.push((t, corners)),
+            }
+        }
+        let triangles: Vec<[u32; 3]> = members.iter().map(|row| row.1).collect();
+        let is_line = |a: u32, b: u32| self.line_edges.contains(&[a, b]);
+        let length = |a: u32, b: u32| self.place(a).distance(self.place(b));
+        let mut pieces = join_pieces(&triangles, is_line, length);
+        let whole = outline(&before);
+        let order = whole.clone().unwrap_or_else(|| before.as_flattened().to_vec());
+        let places: HashMap<u32, usize> = order.iter().enumerate().rev().map(|(i, &v)| (v, i)).collect();
+        // New vertices come after all old ones.
+        let place_of = |v: u32| places.get(&v).copied().unwrap_or(usize::MAX);
+        for PolygonPiece { corners, .. } in &mut pieces {
+            let first = (0..corners.len()).min_by_key(|&i| (place_of(corners[i]), corners[i]));
+            corners.rotate_left(first.unwrap_or(0));
+        }
+        pieces.sort_by_key(|piece| (place_of(piece.corners[0]), piece.members[0]));
+        let is_changed = pieces.len() > 1 || whole.as_ref() != Some(&pieces[0].corners);
+        let named = |piece: PolygonPiece| JoinedPiece {
+            corners: piece.corners,
+            rows: piece.members.into_iter().map(|m| members[m as usize].0).collect(),
+        };
+        (pieces.into_iter().map(named).collect(), is_changed)
+    }
+
+    fn place(&self, v: u32) -> DVec3 {
+        match (v as usize).checked_sub(self.mesh.positions().len()) {
+            None => self.mesh.positions()[v as usize],
+            Some(new) => self.mesh.position_of(&self.embedding.new[new].point),
+        }
+    }
 }

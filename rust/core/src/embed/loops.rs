@@ -8,7 +8,7 @@ pub fn outline(triangles: &[[u32; 3]]) -> Option<Vec<u32>> {
         return Some(one.to_vec());
     }
     if let [one, other] = triangles {
-        return outline_of_two(*one, *other);
+        return outline_of_two(*one, *other).map(|corners| corners.to_vec());
     }
     let mut sides: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     sides.sort_unstable_by_key(|&[a, b]| (a.min(b), a.max(b)));
@@ -39,8 +39,8 @@ pub fn outline(triangles: &[[u32; 3]]) -> Option<Vec<u32>> {
     (found.len() == rim.len()).then_some(found)
 }
 
-/// Nearly all polygons are of one or two triangles.
-fn outline_of_two(one: [u32; 3], other: [u32; 3]) -> Option<Vec<u32>> {
+/// [`outline`] of two triangles, as nearly all polygons are.
+pub fn outline_of_two(one: [u32; 3], other: [u32; 3]) -> Option<[u32; 4]> {
     for k in 0..3 {
         let [a, b, c] = [one[k], one[(k + 1) % 3], one[(k + 2) % 3]];
         for j in 0..3 {
@@ -48,9 +48,9 @@ fn outline_of_two(one: [u32; 3], other: [u32; 3]) -> Option<Vec<u32>> {
             if [other[j], other[(j + 1) % 3]] == [b, a] && apex != c {
                 // Between a and b comes the other's apex.
                 return Some(match k {
-                    0 => vec![a, apex, b, c],
-                    1 => vec![c, a, apex, b],
-                    _ => vec![b, c, a, apex],
+                    0 => [a, apex, b, c],
+                    1 => [c, a, apex, b],
+                    _ => [b, c, a, apex],
                 });
             }
         }

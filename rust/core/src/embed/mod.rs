@@ -9,6 +9,7 @@ pub mod crossings;
 pub mod cut;
 pub mod loops;
 pub mod nodes;
+pub mod paths;
 pub mod polygon_pieces;
 pub mod rings;
 pub mod triangulation;
@@ -25,6 +26,7 @@ use crate::surface_point::SurfacePoint;
 
 use arrangement::Arrangement;
 use nodes::{NewVertex, Nodes};
+use paths::{Path, find_paths};
 use triangulation::Row;
 
 /// Barycentric distance within which points of a line go to a vertex, an edge or each other. In the float32 coordinates
@@ -111,9 +113,10 @@ impl Embedding {
             return Err(OptionError::new("tolerance", message).into());
         }
         let tolerance = tolerance.max(SMALLEST_TOLERANCE);
-        let nodes = Nodes::gather(mesh, lines, tolerance);
+        let paths = find_paths(mesh, lines, tolerance);
+        let nodes = Nodes::gather(mesh, &paths, tolerance);
         let mut works = find_works(mesh, &nodes);
-        let ways: Vec<Vec<Way>> = lines
+        let ways: Vec<Vec<Way>> = paths
             .iter()
             .zip(&nodes.of_points)
             .map(|(line, ids)| sort_segments(mesh, &nodes, line, ids, &mut works))
@@ -129,26 +132,28 @@ impl Embedding {
             chains_across.insert(triangle, chains);
         }
         let mut chains = Vec::with_capacity(lines.len());
-        for ((line, ways), ids) in lines.iter().zip(&ways).zip(&nodes.of_points) {
+        for ((path, ways), ids) in paths.iter().zip(&ways).zip(&nodes.of_points) {
             let mut chain = vec![ChainPoint { vertex: ids[0], parameter: 0.0 }];
             for (i, way) in ways.iter().enumerate() {
                 let (a, b) = (ids[i], ids[(i + 1) % ids.len()]);
+                let (start, end) = (path.parameters[i], path.parameters.get(i + 1));
+                // The last segment of a closed line ends at the next whole number.
+                let end = end.copied().unwrap_or_else(|| start.floor() + 1.0);
                 let inner = match way {
                     Way::Point => Vec::new(),
                     Way::Edge => chain_along_edge(mesh, &nodes, a, b),
                     Way::Across { triangle, segment } => chains_across[triangle][*segment].clone(),
                 };
-                let shifted = inner.into_iter().map(|p| ChainPoint { parameter: i as f64 + p.parameter, ..p });
-                let end = ChainPoint { vertex: b, parameter: (i + 1) as f64 };
-                for point in shifted.chain([end]) {
+                let inner = inner.into_iter().map(|p| (p.vertex, start + (end - start) * p.parameter));
+                for (vertex, parameter) in inner.chain([(b, end)]) {
                     let last = chain[chain.len() - 1];
-                    if last.vertex != point.vertex {
+                    if last.vertex != vertex {
                         // A vertex that drew the line to itself may lie a little behind the one before.
-                        chain.push(ChainPoint { parameter: point.parameter.max(last.parameter), ..point });
+                        chain.push(ChainPoint { vertex, parameter: parameter.max(last.parameter) });
                     }
                 }
             }
-            if line.closed && chain.len() > 1 && chain[0].vertex == chain[chain.len() - 1].vertex {
+            if path.closed && chain.len() > 1 && chain[0].vertex == chain[chain.len() - 1].vertex {
                 chain.pop();
             }
             chains.push(chain);
@@ -197,7 +202,7 @@ fn common_edge(mesh: &SurfaceMesh, nodes: &Nodes, a: u32, b: u32) -> Option<[u32
 fn sort_segments(
     mesh: &SurfaceMesh,
     nodes: &Nodes,
-    line: &Polyline,
+    path: &Path,
     ids: &[u32],
     works: &mut BTreeMap<u32, Work>,
 ) -> Vec<Way> {
@@ -213,7 +218,7 @@ fn sort_segments(
         work.segments.push([a, b]);
         Way::Across { triangle: triangle.0, segment: work.segments.len() - 1 }
     };
-    line.segment_triangles.iter().enumerate().map(way).collect()
+    path.triangles.iter().enumerate().map(way).collect()
 }
 
 /// The triangles with new vertices on their edges or inside.
@@ -273,15 +278,18 @@ fn arrange(
     let inside: Vec<Row> =
         work.inside.iter().map(|&v| new[v as usize - mesh.positions().len()].point.barycentric).collect();
     numbers.extend(&work.inside);
-    let [first, second, third] = &sides;
-    let mut arrangement = Arrangement::new([first, second, third], &inside, tolerance);
     let local = |vertex: u32| numbers.iter().position(|&n| n == vertex).map(|i| i as u32);
-    for &[a, b] in &work.segments {
-        // A segment lies in its triangle, so its ends are among the triangle's points.
-        let (a, b) = local(a).zip(local(b)).ok_or(Error::Tangled { triangle: triangle.index() })?;
-        arrangement.add_segment(a, b);
-    }
-    arrangement.settle(flatten(mesh, triangle)).map_err(|_| Error::Tangled { triangle: triangle.index() })?;
+    // A segment lies in its triangle, so its ends are among the triangle's points.
+    let ends = work.segments.iter().map(|&[a, b]| Some([local(a)?, local(b)?])).collect::<Option<Vec<_>>>();
+    let ends = ends.ok_or(Error::Tangled { triangle: triangle.index() })?;
+    let attempt = |tolerance: f64| {
+        let mut arrangement = Arrangement::new([&sides[0], &sides[1], &sides[2]], &inside, tolerance);
+        ends.iter().for_each(|&[a, b]| arrangement.add_segment(a, b));
+        arrangement.settle(flatten(mesh, triangle)).map(|()| arrangement)
+    };
+    // Where points that draw segments to themselves send them round in circles, they stop drawing.
+    let arrangement =
+        attempt(tolerance).or_else(|_| attempt(0.0)).map_err(|_| Error::Tangled { triangle: triangle.index() })?;
     for &barycentric in &arrangement.rows()[numbers.len()..] {
         numbers.push((mesh.positions().len() + new.len()) as u32);
         new.push(NewVertex { point: SurfacePoint { triangle, barycentric }, edge: None });

@@ -7,11 +7,11 @@
 use std::collections::HashMap;
 
 use crate::mesh::SurfaceMesh;
-use crate::polyline::Polyline;
 use crate::spot::{Spot, spot_of};
 use crate::surface_point::SurfacePoint;
 
 use super::arrangement::distance;
+use super::paths::Path;
 
 /// A vertex that a line adds to the mesh.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -63,11 +63,11 @@ enum Found {
 impl Nodes {
     /// The vertices of `lines`, nothing closer than `tolerance` (below a third) to anything else along an edge or inside a
     /// triangle.
-    pub fn gather(mesh: &SurfaceMesh, lines: &[&Polyline], tolerance: f64) -> Self {
+    pub fn gather(mesh: &SurfaceMesh, lines: &[Path], tolerance: f64) -> Self {
         let mut snapped = 0;
         let mut entries: Vec<Entry> = Vec::new();
-        for (line, polyline) in lines.iter().enumerate() {
-            for (index, point) in polyline.surface_points.iter().enumerate() {
+        for (line, path) in lines.iter().enumerate() {
+            for (index, point) in path.points.iter().enumerate() {
                 let (site, moved) = settle_point(mesh, point, tolerance);
                 snapped += usize::from(moved.is_some());
                 entries.push(Entry { site, point: moved.unwrap_or(*point), line, index });
@@ -75,8 +75,7 @@ impl Nodes {
         }
         // Equal places side by side; ties in the order of the lines, so that the result does not hang on the sort.
         entries.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("barycentric parts are numbers"));
-        let mut found: Vec<Vec<Found>> =
-            lines.iter().map(|line| vec![Found::Old(0); line.surface_points.len()]).collect();
+        let mut found: Vec<Vec<Found>> = lines.iter().map(|line| vec![Found::Old(0); line.points.len()]).collect();
         let mut candidates: Vec<NewVertex> = Vec::new();
         let mut group_start = 0;
         for (i, entry) in entries.iter().enumerate() {
