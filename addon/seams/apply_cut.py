@@ -15,6 +15,10 @@ import bmesh
 from bmesh.types import BMEdge, BMesh, BMFace, BMLoop, BMVert
 
 
+# Lighter corners weigh nothing in 32 bits.
+SMALLEST_WEIGHT = 1e-12
+
+
 @dataclass(frozen=True)
 class Applied:
     """What a cut has become in the BMesh."""
@@ -79,18 +83,24 @@ def collect_pieces(cut: Any) -> dict[int, dict[int, list[int]]]:
 def add_vertex(edited: BMesh, corners: Sequence[BMVert], weights: np.ndarray, place: np.ndarray) -> BMVert:
     """A new vertex inside a triangle, with what its three corners carry, weighed."""
     vertex = edited.verts.new(place, corners[int(np.argmax(weights))])
-    weigh_vertex(vertex, corners, weights)
+    weigh_vertex(edited, vertex, corners, weights)
     vertex.select = False
     return vertex
 
 
-def weigh_vertex(vertex: BMVert, corners: Sequence[BMVert], weights: np.ndarray) -> None:
+def weigh_vertex(edited: BMesh, vertex: BMVert, corners: Sequence[BMVert], weights: np.ndarray) -> None:
     """Give a vertex what three others carry, weighed; its place and its flags stay."""
     # Blender interpolates between two at a time; the heaviest come first, so that no sum is 0.
     first, second, third = np.argsort(-np.asarray(weights), kind="stable")
+    if weights[second] <= SMALLEST_WEIGHT:
+        # Of a part of 0 Blender makes a copy and forgets that Python knows the vertex; of two equal halves it does not.
+        twin = edited.verts.new(corners[first].co, corners[first])
+        vertex.copy_from_vert_interp((corners[first], twin), 0.5)
+        edited.verts.remove(twin)
+        return
     pair = weights[first] + weights[second]
     vertex.copy_from_vert_interp((corners[first], corners[second]), float(weights[second] / pair))
-    if weights[third] > 0.0:
+    if weights[third] > SMALLEST_WEIGHT:
         vertex.copy_from_vert_interp((vertex, corners[third]), float(weights[third]))
 
 

@@ -186,7 +186,7 @@ def carry_over(edited: BMesh, targets: Sequence[Target], vertices: dict[int, BMV
                 corner.vert.co = place
                 weigh_corner(corner, copies[holder])
                 corner.vert.co = here
-        weigh_vertex(vertex, triangle, target.weights)
+        weigh_vertex(edited, vertex, triangle, target.weights)
     for copy in copies.values():
         edited.faces.remove(copy)
     for model in models.values():

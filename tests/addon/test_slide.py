@@ -143,6 +143,19 @@ def test_points_carry_the_weighed_values_of_their_triangle(scene, seams):
             np.testing.assert_allclose(after[name][1][target.vertex], expected, atol=3e-6, err_msg=name)
 
 
+def test_a_line_through_the_vertices_themselves_leaves_all_to_the_byte(scene, seams):
+    grid = add_two_charts()
+    before = read_everything(grid)
+    opened, line = make_line(seams, grid, (0.0, 2.0, 0), (5.0, 2.0, 0))
+    targets = seams.put.aim(line, SimpleNamespace(vertices=np.array(ROW)), opened.arrays)
+    assert max(np.sort(target.weights)[-2] for target in targets) < 1e-9
+    moved, not_moved = slide_row(seams, grid, line, opened, ROW)
+    assert (moved, not_moved) == (ROW, [])
+    after = read_everything(grid)
+    for name, (_, values) in before.items():
+        np.testing.assert_allclose(after[name][1], values, atol=1e-6, err_msg=name)
+
+
 def test_what_would_turn_a_face_over_stays_and_is_told(scene, seams):
     grid = add_grid(5, 4)
     opened = seams.surface.open_surface(bpy.context, grid)
