@@ -14,7 +14,6 @@ import numpy as np
 import bmesh
 from bmesh.types import BMEdge, BMesh, BMFace, BMLoop, BMVert
 
-
 # Lighter corners weigh nothing in 32 bits.
 SMALLEST_WEIGHT = 1e-12
 

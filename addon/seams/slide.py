@@ -173,19 +173,28 @@ def carry_over(edited: BMesh, targets: Sequence[Target], vertices: dict[int, BMV
             corner.copy_from(old)
         copy.normal_update()
         copies[face] = copy
+    layers = list_blended_layers(edited)
+    corner_models = {
+        face: {v.index: c for v, c in zip(face.verts, copy.loops, strict=True)} for face, copy in copies.items()
+    }
     for target in targets:
         vertex = vertices[target.vertex]
         triangle = [models[int(v)] for v in target.triangle]
         place = sum((w * v.co for w, v in zip(target.weights.tolist(), triangle, strict=True)), triangle[0].co * 0.0)
-        charts = split_charts(edited, vertex)
-        for chart in charts:
-            holder = choose_holder(chart, target, place, copies)
-            for corner in chart:
-                # The corner itself asks what the face carries at the goal.
-                here = corner.vert.co.copy()
-                corner.vert.co = place
-                weigh_corner(corner, copies[holder])
-                corner.vert.co = here
+        corners = list(vertex.link_loops)
+        here = vertex.co.copy()
+        vertex.co = place
+        for corner in corners:
+            # A corner asks what its face carries where its vertex is.
+            weigh_corner(corner, copies[corner.face])
+        vertex.co = here
+        # What went on from face to face goes on: one face of each patch says what all have.
+        for layer, name in layers:
+            for chart in split_charts(corners, corner_models, layer, name):
+                holder = choose_holder(chart, target, place, copies)
+                value = get_value(holder, layer, name).copy() if name != "float" else holder[layer]
+                for corner in chart:
+                    set_value(corner, layer, name, value)
         weigh_vertex(edited, vertex, triangle, target.weights)
     for copy in copies.values():
         edited.faces.remove(copy)
@@ -202,37 +211,63 @@ def collect_corners(targets: Sequence[Target], vertices: dict[int, BMVert]) -> s
     return numbers
 
 
-def split_charts(edited: BMesh, vertex: BMVert) -> list[list[BMLoop]]:
-    """The corners at a vertex, in groups within which every UV map goes on from face to face."""
-    maps = [edited.loops.layers.uv[k] for k in range(len(edited.loops.layers.uv))]
-    left = list(vertex.link_loops)
+def list_blended_layers(edited: BMesh) -> list[tuple[object, str]]:
+    """The layers of corners whose values are blended, and the name of their kind."""
+    kinds = ("uv", "color", "float_color", "float_vector", "float")
+    found = [(name, getattr(edited.loops.layers, name, ())) for name in kinds]
+    return [(layers[k], name) for name, layers in found for k in range(len(layers))]
+
+
+def get_value(corner: BMLoop, layer: object, name: str) -> object:
+    """What a corner has in a layer."""
+    return corner[layer].uv if name == "uv" else corner[layer]
+
+
+def set_value(corner: BMLoop, layer: object, name: str, value: object) -> None:
+    """Give a corner a value in a layer."""
+    if name == "uv":
+        corner[layer].uv = value
+    else:
+        corner[layer] = value
+
+
+def split_charts(
+    corners: Sequence[BMLoop], models: dict[BMFace, dict[int, BMLoop]], layer: object, name: str
+) -> list[list[BMLoop]]:
+    """The corners at a vertex, in groups within which a layer went on from face to face.
+
+    models : the corners as they were, by the face and the number of the vertex
+    """
+    left = list(corners)
     charts = []
     while left:
         chart = [left.pop()]
         for corner in chart:
             for other in list(left):
-                if is_continued(corner, other, maps):
+                if is_continued(corner, other, models, layer, name):
                     left.remove(other)
                     chart.append(other)
         charts.append(chart)
     return charts
 
 
-def is_continued(corner: BMLoop, other: BMLoop, maps: Sequence[object]) -> bool:
-    """Whether two corners at one vertex are joined by an edge along which no UV map is torn."""
+def is_continued(
+    corner: BMLoop, other: BMLoop, models: dict[BMFace, dict[int, BMLoop]], layer: object, name: str
+) -> bool:
+    """Whether two corners at one vertex are joined by an edge along which the layer was not torn."""
+    near = corner.vert.index
     for edge in {corner.edge, corner.link_loop_prev.edge} & {other.edge, other.link_loop_prev.edge}:
-        far = edge.other_vert(corner.vert)
-        a = next(loop for loop in corner.face.loops if loop.vert == far)
-        b = next(loop for loop in other.face.loops if loop.vert == far)
-        if all(corner[m].uv == other[m].uv and a[m].uv == b[m].uv for m in maps):
+        far = edge.other_vert(corner.vert).index
+        a, b = models[corner.face], models[other.face]
+        if all(get_value(a[v], layer, name) == get_value(b[v], layer, name) for v in (near, far)):
             return True
     return False
 
 
-def choose_holder(chart: Sequence[BMLoop], target: Target, place: object, copies: dict[BMFace, BMFace]) -> BMFace:
-    """The face of a chart that holds the goal, else the one nearest to it, whose texture is then drawn out."""
+def choose_holder(chart: Sequence[BMLoop], target: Target, place: object, copies: dict[BMFace, BMFace]) -> BMLoop:
+    """The corner of a chart whose face holds the goal, else that of the nearest face, whose values are drawn out."""
     corners = {int(v) for v, w in zip(target.triangle, target.weights, strict=True) if w > 0.0}
     for corner in chart:
         if corners <= {v.index for v in corner.face.verts}:
-            return corner.face
-    return min((corner.face for corner in chart), key=lambda face: (copies[face].calc_center_median() - place).length)
+            return corner
+    return min(chart, key=lambda corner: (copies[corner.face].calc_center_median() - place).length)

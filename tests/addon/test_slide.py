@@ -143,7 +143,7 @@ def test_points_carry_the_weighed_values_of_their_triangle(scene, seams):
             np.testing.assert_allclose(after[name][1][target.vertex], expected, atol=3e-6, err_msg=name)
 
 
-def test_a_line_through_the_vertices_themselves_leaves_all_to_the_byte(scene, seams):
+def test_a_line_through_the_vertices_themselves_leaves_all_as_it_was(scene, seams):
     grid = add_two_charts()
     before = read_everything(grid)
     opened, line = make_line(seams, grid, (0.0, 2.0, 0), (5.0, 2.0, 0))
