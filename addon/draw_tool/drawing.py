@@ -57,7 +57,8 @@ class Drawing:
         self.is_moved = False  # something of the mesh may have changed
         self.update_milliseconds: list[float] = []
         self.opening_milliseconds = 0.0
-        self.window, self.area, self.scene = context.window, context.area, context.scene
+        # What belongs to the window outlives an undo from the menu; a scene does not, so only its name is kept.
+        self.window, self.area, self.scene_name = context.window, context.area, context.scene.name
         self.workspace = context.workspace
         self.handlers = overlay.add_handlers(self.draw_view, self.draw_pixels)
         self.workspace.status_text_set(overlay.draw_status)
@@ -78,7 +79,7 @@ class Drawing:
 
     def draw_view(self) -> None:
         """The line, its mirrors and the stroke, in every 3D view of the scene."""
-        if bpy.context.scene == self.scene:
+        if bpy.context.scene.name == self.scene_name:
             for line in self.lines:
                 overlay.draw_line(bpy.context, line.points, line.closed)
             trail = self.gestures.trail
@@ -88,7 +89,7 @@ class Drawing:
     def draw_pixels(self) -> None:
         """The picks, over it, and the circle of the detail size."""
         context = bpy.context
-        if context.scene != self.scene:
+        if context.scene.name != self.scene_name:
             return
         region, region_3d = context.region, context.region_data
         picks = self.sketch.state.picks
@@ -125,7 +126,7 @@ class Drawing:
             self.area.header_text_set(f"Smooth Polyline: {self.opening.describe()}")
             return
         told = f"Smooth Polyline on {self.mesh_name}: " if self.mesh_name else "Smooth Polyline: click on a mesh; "
-        units, loop = self.scene.unit_settings, "Closed " * state.is_closed
+        units, loop = bpy.context.scene.unit_settings, "Closed " * state.is_closed
         length = describe_length(units, self.length)
         told += f"{len(state.picks)} picks, length {length}, {loop}{state.filter.title()}"
         if state.filter == "FAIR" and state.detail_size > 0.0:
@@ -229,7 +230,6 @@ class Drawing:
         options, mesh = self.choose_options(), self.opened.library_mesh
         all_picks = [self.list_picks(), *self.list_mirrored_picks()]
         is_dragged = self.gestures.mode is Mode.DRAGGING and self.made_with == options and len(before) == len(all_picks)
-        is_dragged = is_dragged and hasattr(before[0], "with_picks")
         self.made_with = options
         for number, picks in enumerate(all_picks):
             line = before[number].with_picks(picks) if is_dragged else mesh.polyline(picks, **options)

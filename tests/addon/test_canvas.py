@@ -306,3 +306,35 @@ def test_boxes_say_which_objects_may_be_under_the_mouse(tool):
     assert [o.name for _, o in tool.view.list_candidates(context, ray)] == ["Far"]
     assert count_data()["objects"] == 5
     assert grid.name == "Near"
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_dragged_pick_gives_the_line_that_a_fresh_one_would_be(tool, closed):
+    from bl_ext.user_default.smooth_polylines.draw_tool import drawing as drawings
+
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24)
+    canvas = make_canvas(tool, bpy.context.object, *make_view((0, -3.6, 0.3), (0, 0, 0)))
+    picks = draw(tool, canvas, [(300, 260), (360, 330), (440, 320), (500, 280)])
+    made = drawings.Drawing.__new__(drawings.Drawing)
+    made.sketch, made.canvas, made.options, made.made_with = canvas.sketch, canvas, {}, {}
+    made.mirror, made.curve_name, made.lines = (True, False, False), "", []
+    made.gestures = SimpleNamespace(mode=tool.gestures.Mode.IDLE)
+    canvas.sketch.state = tool.sketch.SketchState(tuple(picks), closed, "GEODESIC")
+    made.make_lines([])
+    made.gestures.mode = tool.gestures.Mode.DRAGGING
+    for mouse in ((362, 335), (366, 345), (371, 352)):
+        (moved,) = draw(tool, canvas, [mouse])
+        canvas.sketch.change(picks=(picks[0], moved, *picks[2:]))
+        before, made.lines = made.lines, []
+        made.make_lines(before)
+        assert len(made.lines) == 2  # and its mirror
+        for line, its_picks in zip(made.lines, [made.list_picks(), *made.list_mirrored_picks()], strict=True):
+            fresh = canvas.opened.library_mesh.polyline(its_picks, closed=closed, filter="geodesic", pinned="all")
+            np.testing.assert_array_equal(line.points, fresh.points)
+    assert closed or made.lines[0].report.kept_legs == 1
+    # Other options: nothing can be kept.
+    canvas.sketch.cycle_filter()
+    before, made.lines = made.lines, []
+    made.make_lines(before)
+    fresh = canvas.opened.library_mesh.polyline(made.list_picks(), closed=closed, filter="linear", pinned="all")
+    np.testing.assert_array_equal(made.lines[0].points, fresh.points)
