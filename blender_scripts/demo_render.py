@@ -32,7 +32,6 @@ def prepare_picture(
     direction: Vector,
 ) -> None:
     """Materials, marks, light and camera; `direction` is from the mesh towards the camera, in the world."""
-    scene = bpy.context.scene
     centre, radius = measure_ball(mesh_object)
     paint(
         mesh_object,
@@ -44,6 +43,13 @@ def prepare_picture(
     paint(start_object, make_material("Start", (0.03, 0.12, 0.55)))
     mark_picks(mesh_object, picks, 0.013 * radius)
 
+    set_up_view(direction, centre, radius)
+    mesh_object.data.polygons.foreach_set("use_smooth", np.ones(len(mesh_object.data.polygons), dtype=bool))
+
+
+def set_up_view(direction: Vector, centre: Vector, radius: float) -> None:
+    """Camera and light for a ball in the world; `direction` is from it towards the camera."""
+    scene = bpy.context.scene
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.data.lens = 70
     camera.location = centre + direction * radius * 3.9
@@ -60,7 +66,6 @@ def prepare_picture(
     scene.world = bpy.data.worlds.new("World")
     scene.world.color = (0.72, 0.77, 0.83)
     scene.world.cycles_visibility.diffuse = False  # seen, but no light: it would have to be sampled
-    mesh_object.data.polygons.foreach_set("use_smooth", np.ones(len(mesh_object.data.polygons), dtype=bool))
 
 
 def measure_ball(mesh_object: bpy.types.Object) -> tuple[Vector, float]:

@@ -95,7 +95,7 @@ def main() -> None:
     colours[int(sizes.argmax())] = OUTSIDE
     picture_parts.paint_faces(mesh_object, done.face_patches, colours)
     picture_parts.add_edges(mesh_object, done.lines.edges, 0.003 * radius, (0.02, 0.02, 0.03))
-    picture_parts.set_up_view(mesh_object, direction)
+    demo_render.set_up_view(direction, *demo_render.measure_ball(mesh_object))
     arguments.output.mkdir(parents=True, exist_ok=True)
     demo_render.render_picture(arguments.output.resolve() / "net.png", arguments.width)
     print(f"Wrote {arguments.output / 'net.png'}")

@@ -9,8 +9,6 @@ import numpy as np
 
 import bpy
 
-from mathutils import Vector
-
 import demo_render
 
 
@@ -71,35 +69,6 @@ def add_uv_chart(
     bpy.context.scene.collection.objects.link(chart)
     paint_faces(chart, pieces[shown], colours)
     return chart
-
-
-def set_up_view(
-    mesh_object: bpy.types.Object,
-    direction: Vector,
-    *,
-    centre: tuple[float, float, float] | None = None,
-    radius: float | None = None,
-) -> None:
-    """Camera and light; `direction` is from the mesh towards the camera, in the world."""
-    scene = bpy.context.scene
-    middle, size = demo_render.measure_ball(mesh_object)
-    middle, size = Vector(centre) if centre else middle, radius or size
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.data.lens = 70
-    camera.location = middle + direction * size * 3.9
-    camera.rotation_euler = direction.to_track_quat("Z", "Y").to_euler()
-    camera.data.clip_start, camera.data.clip_end = 0.01 * size, 20 * size
-    scene.camera = camera
-    light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
-    light.data.energy, light.data.angle = 2.6, 0.0
-    light.rotation_euler = (
-        (camera.rotation_euler.to_matrix() @ Vector((-0.5, 0.7, 1.0))).to_track_quat("Z", "Y").to_euler()
-    )
-    scene.collection.objects.link(camera)
-    scene.collection.objects.link(light)
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0.72, 0.77, 0.83)
-    scene.world.cycles_visibility.diffuse = False
 
 
 def look_down_on(chart: bpy.types.Object) -> None:

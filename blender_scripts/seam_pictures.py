@@ -109,7 +109,7 @@ def main() -> None:
     picture_parts.paint_faces(figure, done.islands.face_islands, colours)
     chart = picture_parts.add_uv_chart(figure, done.islands.face_islands, colours, np.array(is_flat))
     chart.hide_render = True
-    picture_parts.set_up_view(figure, Vector((0.45, -1.0, 0.22)).normalized(), centre=(0.0, 0.0, 1.24), radius=0.85)
+    demo_render.set_up_view(Vector((0.45, -1.0, 0.22)).normalized(), Vector((0.0, 0.0, 1.24)), 0.85)
     demo_render.render_picture(arguments.output.resolve() / "seams_shirt.png", arguments.width)
     figure.hide_render = seams.hide_render = True
     chart.hide_render = False
