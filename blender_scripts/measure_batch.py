@@ -7,6 +7,7 @@ process and in two. Needs the bpy module. Not imported by anything.
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,7 @@ import numpy as np
 
 BATCH = Path(__file__).with_name("batch.py")
 # Triangles of a mesh -> how many such files.
-SIZES = {2_000: 60, 20_000: 40, 270_000: 12}
+SIZES = {2_000: 60, 20_000: 40, 270_000: 10}
 LINES = [
     {
         "name": "across",
@@ -58,14 +59,17 @@ def write_mesh(path: Path, triangle_count: int, seed: int) -> None:
     path.write_bytes(head.encode() + rows.astype("<f4").tobytes() + table.tobytes())
 
 
-def measure(folder: Path, name: str, formats: list[str], processes: int) -> tuple[float, Counter]:
-    """Files a minute between the first and the last to be done, and the seconds of each part."""
-    output = f"out-{name}-{len(formats)}-{processes}"
+def measure(folder: Path, name: str, formats: list[str], processes: int) -> tuple[float, float, Counter]:
+    """Files a minute between the first and the last to be done, all processor seconds, and the seconds of each part."""
+    output = f"out-{name}-{len(list(folder.iterdir()))}"
     job = folder / f"{output}.json"
     values = {"inputs": [f"{name}/*.ply"], "search_radius": 0.5, "lines": LINES}
     job.write_text(json.dumps({**values, "outputs": {"folder": output, "formats": formats}}))
     command = [sys.executable, str(BATCH), str(job), "--jobs", str(processes), "--quiet"]
+    before = os.times()
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    after = os.times()
+    used = sum(getattr(after, f"children_{kind}") - getattr(before, f"children_{kind}") for kind in ("user", "system"))
     journal = folder / output / ".batch" / "journal-1-of-1.jsonl"
     notes = [json.loads(line) for line in journal.read_text().splitlines()]
     times = sorted(note["time"] for note in notes)
@@ -73,28 +77,34 @@ def measure(folder: Path, name: str, formats: list[str], processes: int) -> tupl
     for note in notes:
         seconds.update(note["seconds"])
     # The first of each process pays for its start.
-    return 60 * (len(times) - processes) / (times[-1] - times[processes - 1]), seconds
+    span = times[-1] - times[processes - 1] if len(times) > processes else 1.0
+    return 60 * (len(times) - processes) / span, used, seconds
 
 
 def main() -> None:
     """Print the table."""
-    print("| triangles | outputs | 1 process | 2 processes | Blender's import | our lines | writing |")
-    print("|---|---|---|---|---|---|---|")
+    print(f"Processors: {os.cpu_count()}; busy before the first run: {os.getloadavg()[0]:.1f}")
+    print(
+        "| triangles | outputs | 1 process | 2 processes | processor, ms a file | Blender's import | lines | writing |"
+    )
+    print("|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         for triangles, count in SIZES.items():
             (folder / str(triangles)).mkdir()
             for k in range(count):
                 write_mesh(folder / str(triangles) / f"mesh{k:03d}.ply", triangles, k)
+            (folder / "one").mkdir(exist_ok=True)
+            write_mesh(folder / "one" / "mesh.ply", triangles, 0)
             for title, formats in FORMATS.items():
                 rates = {n: measure(folder, str(triangles), formats, n) for n in (1, 2)}
-                seconds = rates[1][1]
+                used, seconds = rates[1][1:]
+                used_for_start = measure(folder, "one", formats, 1)[1]
                 whole = sum(seconds.values())
                 shares = [f"{100 * seconds[part] / whole:.0f} %" for part in PARTS[:3]]
-                print(
-                    f"| {triangles:,} | {title} | {rates[1][0]:.0f} | {rates[2][0]:.0f} | {' | '.join(shares)} |",
-                    flush=True,
-                )
+                each = 1000 * (used - used_for_start) / (count - 1)
+                cells = [f"{triangles:,}", title, f"{rates[1][0]:.0f}", f"{rates[2][0]:.0f}", f"{each:.0f}", *shares]
+                print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

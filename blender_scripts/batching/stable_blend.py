@@ -3,7 +3,7 @@
 Blender up to 4.5 writes the addresses its data had in memory, and finds what belongs together by comparing them. Here
 every address is replaced by a number, counted in the order of first appearance: a one-to-one renaming, so the file
 means the same. What else is left over of a session goes: states of data-blocks, and bytes behind the end of texts and
-arrays. Blender 5.0 and newer do all that by themselves; what remains is what new meshes and nodes take from the clock.
+arrays. Blender 5.0 and newer number by themselves; the rest remains.
 """
 
 from pathlib import Path
@@ -43,9 +43,10 @@ def stabilise_blend(path: Path, *, is_imported: bool) -> None:
     layouts = describe_structs(data[dna.data].tobytes())
     if not is_new(data):
         clear_padding(data, blocks, layouts)
-        clear_session(data, blocks, layouts)
+    clear_session(data, blocks, layouts)
+    if not is_new(data):
         rename_addresses(data, blocks, layouts)
-        sort_screen_edges(data, blocks, layouts)
+    sort_screen_edges(data, blocks, layouts)
     if is_imported:
         for place in find_field(blocks, layouts, "Mesh", "face_sets_color_seed"):
             data[place : place + 4] = 0

@@ -135,7 +135,7 @@ def write(folder):
     text = bpy.data.texts.new("script.py")
     text.write("import bpy\nbpy.data.objects['Plane'].name = 'Hacked'\n")
     text.use_module = True
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"))
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"), compress=False)
 
 
 def look(path):
