@@ -55,6 +55,8 @@ def test_a_path_is_on_edges_near_its_line(name, with_faces, filter_name):
         for (a, b), vertex in zip(path.edges.tolist(), path.vertices.tolist(), strict=False):
             assert a == vertex
             assert (min(a, b), max(a, b)) in edges
+        # No edge is gone along and at once back.
+        assert (path.vertices[2:] != path.vertices[:-2]).all()
         longest = np.ptp(surface.positions[surface.triangles[line.strip]], axis=1).max()
         off = distances(surface.positions[path.vertices], line.points, line.closed)
         assert off.max() <= path.distance["max"] + 1e-12

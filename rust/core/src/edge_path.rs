@@ -64,14 +64,10 @@ pub fn edge_path(mesh: &SurfaceMesh, line: &Polyline) -> Result<EdgePath> {
             "has no path along edges near it that keeps to its side of every obstacle; cut it into the mesh instead";
         return Err(OptionError::new("line", message).into());
     };
-    let steps = path.windows(2).filter_map(|pair| links[pair[0] as usize].iter().find(|link| link.to == pair[1]));
-    let (mut length, mut integral, mut max) = (0.0, 0.0, 0.0f64);
-    for link in steps {
-        length += link.length;
-        integral += link.length * link.mean;
-        max = max.max(link.max);
-    }
-    let mut vertices: Vec<VertexId> = path.iter().map(|&v| band.over(mesh, v)).collect();
+    let Trail { mut vertices, links } = shorten(mesh, &band, &links, &path);
+    let length: f64 = links.iter().map(|link| link.length).sum();
+    let mut integral: f64 = links.iter().map(|link| link.length * link.mean).sum();
+    let mut max = links.iter().map(|link| link.max).fold(0.0, f64::max);
     if line.closed && vertices.len() > 1 {
         vertices.pop();
     }
@@ -79,9 +75,34 @@ pub fn edge_path(mesh: &SurfaceMesh, line: &Polyline) -> Result<EdgePath> {
         let near = Window { points: &line.points, closed: line.closed };
         max = near.distance(0, mesh.position(vertices[0]));
         integral = max;
-        length = 1.0;
     }
-    Ok(EdgePath { vertices, closed: line.closed, max_distance: max, mean_distance: integral / length })
+    let mean_distance = if length == 0.0 { integral } else { integral / length };
+    Ok(EdgePath { vertices, closed: line.closed, max_distance: max, mean_distance })
+}
+
+/// A path by its vertices on the mesh and the edges between them.
+struct Trail {
+    vertices: Vec<VertexId>,
+    links: Vec<Link>,
+}
+
+/// A path of the band on the mesh, without edges that it goes along there and at once back again: where the line turns
+/// sharply at a pick, the band lies over itself.
+fn shorten(mesh: &SurfaceMesh, band: &Band, links: &[Vec<Link>], path: &[u32]) -> Trail {
+    let mut trail = Trail { vertices: vec![band.over(mesh, path[0])], links: Vec::new() };
+    for pair in path.windows(2) {
+        let to = band.over(mesh, pair[1]);
+        let Some(link) = links[pair[0] as usize].iter().find(|link| link.to == pair[1]) else { continue };
+        let count = trail.vertices.len();
+        if count > 1 && trail.vertices[count - 2] == to {
+            trail.vertices.pop();
+            trail.links.pop();
+        } else {
+            trail.vertices.push(to);
+            trail.links.push(*link);
+        }
+    }
+    trail
 }
 
 /// The line as segments, of which those near a place are looked at.
