@@ -43,6 +43,9 @@ const TIE_BREAK: f64 = 1.0 / 4096.0;
 /// Windows taken from the queue between two calls of the observer; about a millisecond.
 const POPS_PER_OBSERVATION: u64 = 4096;
 
+/// Work space for more windows than this is given back after a search.
+const KEPT_VIEWS: usize = 1 << 16;
+
 /// In a window's `parent`: it comes from the start.
 const NO_PARENT: u32 = u32::MAX;
 
@@ -126,7 +129,11 @@ impl WindowGraph {
         scratch
     }
 
-    fn put_back(&self, scratch: Scratch) {
+    fn put_back(&self, mut scratch: Scratch) {
+        if scratch.views.capacity() > KEPT_VIEWS {
+            // What a search across a large mesh has used is worth more to others than the millisecond to get it again.
+            scratch = Scratch { entries: scratch.entries, stamp: scratch.stamp, ..Scratch::default() };
+        }
         if let Ok(mut pool) = self.pool.lock() {
             pool.push(scratch);
         }

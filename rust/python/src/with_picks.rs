@@ -57,7 +57,7 @@ impl PyPolyline {
     /// >>> moved = line.with_picks([(0, (0.25, 0.5, 0.25)), 1])
     /// >>> moved.points.round(3)
     /// array([[0.75 , 0.25 , 0.   ],
-    ///        [0.583, 0.583, 0.   ],
+    ///        [0.5  , 0.5  , 0.   ],
     ///        [0.333, 0.667, 0.   ]])
     #[pyo3(signature = (picks, pinned=None), text_signature = "($self, picks, pinned=None)")]
     fn with_picks(
