@@ -32,7 +32,7 @@ unexport BLENDER_USER_SCRIPTS BLENDER_SYSTEM_SCRIPTS
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help setup dev demo images images-gui example test test-rust test-native test-addon test-batch test-newest test-package \
-    test-render test-gui test-batch-large test-package-all bench fmt lint wheel release-wheel extension repository clean
+    test-render test-gui test-batch-large test-package-all bench hostile fuzz huge figures fmt lint wheel release-wheel extension repository clean
 
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -221,6 +221,27 @@ else
 	PYTHONPATH=tests $(BENCH)/bin/python -m bench --output out/bench --page docs/benchmarks.md --images docs/images \
 	    --criterion $(or $(CARGO_TARGET_DIR),target)/criterion
 endif
+
+hostile: $(VENV)/.wheel.stamp ## every filter on 518 meshes that could hurt it, judged line by line; writes docs/hostile.md
+	$(STEP) "Hostile meshes"
+	PYTHONPATH=tests $(BIN)/python -m hostile --output out/hostile --page docs/hostile.md --processes $(or $(PROCESSES),1)
+
+huge: $(VENV)/.wheel.stamp ## ten million triangles opened, and a line across: time and memory
+	$(STEP) "Ten million triangles"
+	PYTHONPATH=tests $(BIN)/python -m huge
+
+# Needs cargo-fuzz (cargo install cargo-fuzz). The compiler is the ordinary one, told that it may instrument.
+fuzz: ## fuzz meshes, lines and bytes for FUZZ_SECONDS each (600), finds in rust/fuzz/artifacts
+	@command -v cargo-fuzz >/dev/null || { echo "cargo-fuzz is missing: cargo install cargo-fuzz"; exit 1; }
+	$(STEP) "Fuzzing, $(or $(FUZZ_SECONDS),600) s for each target"
+	@cd rust/fuzz && for target in mesh line bytes; do \
+	    RUSTC_BOOTSTRAP=1 cargo fuzz run --fuzz-dir . -s $(or $(SANITIZER),none) $$target -- \
+	        -max_total_time=$(or $(FUZZ_SECONDS),600) -timeout=20 -max_len=900 -print_final_stats=1 || exit 1; \
+	done
+
+figures: $(VENV)/.wheel.stamp ## the paper's figures redone on real meshes, into docs/images and docs/figures.md
+	$(STEP) "Drawing the paper's figures"
+	$(BIN)/python blender_scripts/figures.py --images docs/images --page docs/figures.md
 
 fmt: $(VENV)/.requirements.stamp ## format Rust and Python
 	cargo fmt --all

@@ -56,7 +56,7 @@ class SurfaceChecker:
             ends = [0, -1] if not line.closed else []
             pins = [(int(line.triangles[i]), line.barycentric[i].tolist()) for i in ends]
         self._check_points(line, supports, len(pins))
-        self._check_segments(line, supports)
+        self._check_segments(line, supports, pins)
         self._check_strip(line, supports, pins)
         self._check_pins(line, supports, pins)
         # Two legs that meet in a pin at a sharp angle share triangles with good reason.
@@ -103,14 +103,17 @@ class SurfaceChecker:
         n = len(line.points)
         return [(i, (i + 1) % n) for i in range(n if line.closed and n > 1 else n - 1)]
 
-    def _check_segments(self, line, supports):
+    def _check_segments(self, line, supports, pins):
+        pin_supports = [self.support(*pin) for pin in pins]
         for i, j in self._pairs(line):
             corners = self.corners(line.segment_triangles[i])
             assert supports[i].keys() <= corners, f"segment {i} does not begin in its triangle"
             assert supports[j].keys() <= corners, f"segment {i} does not end in its triangle"
             assert not (len(supports[i]) == 1 and supports[i] == supports[j]), f"vertex twice at points {i}, {j}"
             if np.array_equal(line.points[i], line.points[j]):
-                assert self._has_coincident(supports[i].keys() | supports[j].keys()), f"points {i}, {j} are equal"
+                is_stuck = all(supports[k] in pin_supports for k in (i, j)) and self._is_flat(line.segment_triangles[i])
+                is_coincident = self._has_coincident(supports[i].keys() | supports[j].keys())
+                assert is_coincident or is_stuck, f"points {i}, {j} are equal"
         for before, after in zip(self._pairs(line), self._pairs(line)[1:] + self._pairs(line)[:1], strict=True):
             a, b = line.segment_triangles[before[0]], line.segment_triangles[after[0]]
             joint = before[1]
@@ -120,6 +123,11 @@ class SurfaceChecker:
             if len(supports[joint]) == 2:
                 crossed = [e for e in self.crossable_edges(a, b) if self._edge_has(a, e, supports[joint])]
                 assert crossed, f"point {joint} crosses no edge of both triangles, or a wall"
+
+    def _is_flat(self, triangle):
+        """No area: two pins in it may be at one place, and neither can move."""
+        a, b, c = self.positions[self.triangles[triangle]]
+        return not np.cross(b - a, c - a).any()
 
     def _has_coincident(self, vertices):
         places = {tuple(self.positions[v]) for v in vertices}

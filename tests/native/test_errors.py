@@ -8,7 +8,7 @@ import pytest
 import smooth_polylines as sp
 from native.made_meshes import make_grid
 
-NAMES = ("MeshError", "OptionError", "NoPathError", "CollapsedError", "InternalError")
+NAMES = ("MeshError", "OptionError", "NoPathError", "CollapsedError", "LimitError", "InternalError")
 
 
 def test_all_errors_have_one_base_and_the_bases_of_the_contract():
@@ -17,6 +17,7 @@ def test_all_errors_have_one_base_and_the_bases_of_the_contract():
     assert sp.OptionError.__bases__ == (sp.Error, ValueError)
     assert sp.NoPathError.__bases__ == (sp.Error,)
     assert sp.CollapsedError.__bases__ == (sp.Error,)
+    assert sp.LimitError.__bases__ == (sp.Error, TimeoutError)
     assert sp.InternalError.__bases__ == (sp.Error,)
 
 

@@ -18,13 +18,14 @@ def test_the_signature_is_the_contract():
     expected = {
         "closed": False, "filter": "linear", "pinned": "ends", "solver": "auto", "threshold": 1e-4,
         "max_iterations": None, "detail_size": None, "knots": "centripetal", "support": 2,
-        "stages": False,
+        "stages": False, "time_limit": None, "stop": None,
     }  # fmt: skip
     for method, leading in ((sp.SurfaceMesh.polyline, 2), (sp.SurfaceMesh.stroke, 2), (sp.SurfaceMesh.network, 3)):
         parameters = list(inspect.signature(method).parameters.values())[leading:]
-        assert {p.name: p.default for p in parameters} == expected
+        more = {"avoid_crossings": None} if method is sp.SurfaceMesh.network else {}
+        assert {p.name: p.default for p in parameters} == expected | more
         by_name_only = {p.name for p in parameters if p.kind is p.KEYWORD_ONLY}
-        assert by_name_only == {"knots", "support", "stages"}
+        assert by_name_only == {"knots", "support", "stages", "time_limit", "stop", *more}
 
 
 def test_told_defaults_are_the_real_ones():

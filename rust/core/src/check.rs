@@ -116,6 +116,7 @@ fn check_inner_points(mesh: &SurfaceMesh, line: &Polyline, supports: &[Support])
 
 fn check_segments(mesh: &SurfaceMesh, line: &Polyline, supports: &[Support]) -> Result<(), CheckError> {
     let count = supports.len();
+    let is_pin = |point: usize| line.route.pins.iter().any(|pin| support_of(mesh, pin) == supports[point]);
     for (segment, &triangle) in line.segment_triangles.iter().enumerate() {
         let (first, second) = (segment, (segment + 1) % count);
         for point in [first, second] {
@@ -127,7 +128,10 @@ fn check_segments(mesh: &SurfaceMesh, line: &Polyline, supports: &[Support]) -> 
             return Err(CheckError::PlaceTwice { first, second });
         }
         let position = line.points[first];
-        if position == line.points[second] && !has_coincident(mesh, &supports[first], &supports[second]) {
+        if position == line.points[second]
+            && !has_coincident(mesh, &supports[first], &supports[second])
+            && !(is_flat(mesh, triangle) && [first, second].iter().all(|&i| is_pin(i)))
+        {
             return Err(CheckError::PointsEqual { first, second, position });
         }
     }
@@ -343,6 +347,12 @@ fn crossings_between(mesh: &SurfaceMesh, from: TriangleId, to: TriangleId) -> im
 }
 
 /// Whether two of the corners that two places hang on are at the same position.
+/// Whether a triangle has no area: two pins in it may be at one place, and neither can move.
+fn is_flat(mesh: &SurfaceMesh, triangle: TriangleId) -> bool {
+    let [a, b, c] = mesh.corners(triangle).map(|v| mesh.position(v));
+    (b - a).cross(c - a).length_squared() == 0.0
+}
+
 fn has_coincident(mesh: &SurfaceMesh, a: &Support, b: &Support) -> bool {
     let mut corners: ArrayVec<VertexId, 6> = a.iter().chain(b).map(|&(vertex, _)| vertex).collect();
     corners.sort_unstable();

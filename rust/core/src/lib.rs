@@ -45,6 +45,7 @@ pub mod samples;
 pub mod search;
 pub mod section;
 pub mod self_crossings;
+pub mod shaken;
 pub mod sliding_pass;
 pub mod smooth;
 pub mod smooth_fair;

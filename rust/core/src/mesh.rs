@@ -13,6 +13,7 @@ use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::morton::CurveOrder;
 use crate::polygons::{Polygons, middle_triangle};
 use crate::search::DualGraph;
+use crate::shaken::shaken;
 use crate::surface_point::{Pick, SurfacePoint};
 use crate::triangle_tree::TriangleTree;
 use crate::window_search::WindowGraph;
@@ -60,6 +61,7 @@ pub struct SurfaceMesh {
     report: OnceLock<MeshReport>,
     triangle_tree: OnceLock<TriangleTree>,
     cones: Mutex<Vec<Cones>>,
+    shaken: OnceLock<Box<SurfaceMesh>>,
 }
 
 impl SurfaceMesh {
@@ -87,7 +89,19 @@ impl SurfaceMesh {
         let dual_graph = DualGraph::new(&placed, &adjacency);
         let polygons = triangle_faces.map(Polygons::new);
         let (report, triangle_tree, cones) = (OnceLock::new(), OnceLock::new(), Mutex::default());
-        Ok(Self { positions, triangles, adjacency, polygons, dual_graph, window_graph, report, triangle_tree, cones })
+        let shaken = OnceLock::new();
+        Ok(Self {
+            positions,
+            triangles,
+            adjacency,
+            polygons,
+            dual_graph,
+            window_graph,
+            report,
+            triangle_tree,
+            cones,
+            shaken,
+        })
     }
 
     /// What was found on the mesh. The first call counts parts and looks round every vertex, at O(triangles).
@@ -143,6 +157,16 @@ impl SurfaceMesh {
         &self.dual_graph
     }
 
+    /// Whether the boxes round the triangles have been built.
+    pub fn has_triangle_tree(&self) -> bool {
+        self.triangle_tree.get().is_some()
+    }
+
+    /// Whether [`SurfaceMesh::report`] has been made.
+    pub fn has_report(&self) -> bool {
+        self.report.get().is_some()
+    }
+
     /// The boxes round the triangles. The first call builds them, at O(triangles).
     pub fn triangle_tree(&self) -> &TriangleTree {
         self.triangle_tree.get_or_init(|| TriangleTree::new(self))
@@ -158,6 +182,12 @@ impl SurfaceMesh {
         if let Ok(mut pool) = self.cones.lock() {
             pool.push(cones);
         }
+    }
+
+    /// The mesh with vertices moved apart where triangles have no area. The first call makes it, at O(triangles); it is for
+    /// lines that would turn for ever there.
+    pub fn shaken(&self) -> &SurfaceMesh {
+        self.shaken.get_or_init(|| Box::new(shaken(self)))
     }
 
     /// What `window_search` knows of the mesh.

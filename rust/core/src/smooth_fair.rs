@@ -31,6 +31,12 @@ const SAMPLES_PER_DETAIL: f64 = 2.0;
 /// See [`SAMPLES_PER_DETAIL`].
 const MOST_SAMPLES_PER_EDGE: f64 = 8.0;
 
+/// Samples for each crossing of the input, and for each of its legs, at most: on sound triangles there are one to five a
+/// crossing. Where a line crosses short edges of long needles, edges say nothing of what lies between.
+const MOST_SAMPLES_PER_CROSSING: f64 = 16.0;
+/// See [`MOST_SAMPLES_PER_CROSSING`].
+const MOST_SAMPLES_PER_LEG: f64 = 64.0;
+
 /// The first curve has every so-manieth sample at most, and at least [`COARSE_PIECES`] pieces from pin to pin. A coarse
 /// curve finds its place at large without being caught by the curvature of single mesh vertices, and costs less.
 const COARSEST_STRIDE: usize = 16;
@@ -86,8 +92,8 @@ pub const DRAFT: Paces = Paces {
     finest_stride: 2,
 };
 
-/// Rounds without a limit of the caller's; measured lines take up to a hundred.
-const ROUND_BOUND: u32 = 1000;
+/// Rounds without a limit of the caller's; measured lines take up to a hundred, on needles of 1e-13 up to four thousand.
+const ROUND_BOUND: u32 = 20_000;
 
 /// What is asked of a fair line.
 #[derive(Clone, Copy, Debug)]
@@ -148,6 +154,9 @@ fn coarsest_stride(samples: &Samples, samples_per_detail: f64) -> usize {
 pub fn spacing_on(mesh: &SurfaceMesh, input: &Route, detail_size: f64) -> f64 {
     let edge = mean_edge_length(mesh, input);
     let spacing = (edge / SAMPLES_PER_EDGE).min((detail_size / SAMPLES_PER_DETAIL).max(edge / MOST_SAMPLES_PER_EDGE));
+    let crossings: usize = input.legs.iter().map(|leg| leg.word.len()).sum();
+    let most = MOST_SAMPLES_PER_CROSSING * crossings as f64 + MOST_SAMPLES_PER_LEG * input.legs.len() as f64;
+    let spacing = spacing.max(route_length(mesh, input) / most);
     // All in one place: any unit will do.
     if spacing > 0.0 { spacing } else { 1.0 }
 }

@@ -7,11 +7,12 @@ use glam::DVec3;
 use crate::error::Result;
 use crate::filter::closed_geodesic::straighten_loop;
 use crate::filter::geodesic::{GeodesicLeg, Workspace};
+use crate::ids::VertexId;
 use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
-use crate::polyline::Polyline;
+use crate::polyline::{Polyline, length_of};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
 use crate::smooth::go_on;
@@ -21,6 +22,15 @@ use crate::smooth::go_on;
 fn round_bound(letters: usize) -> u32 {
     1000 + 20 * letters.min(1 << 26) as u32
 }
+
+/// Runs after the first, when that one ends because the two-angle rule would go on for ever,
+const MOST_RUNS: u32 = 16;
+/// and the share by which a run must shorten the line to be followed by another.
+const SETTLED_FALL: f64 = 1e-12;
+
+/// A crossing this near to an end of its edge, as a share of it, may be where it is by the shaking alone: a hundred times
+/// what a vertex is moved by.
+const SNAP_SHARE: f64 = 1e-9;
 
 /// Straightens all legs of `route` until each is locally shortest.
 ///
@@ -36,20 +46,24 @@ pub fn smooth_geodesic(
 ) -> Result<()> {
     let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
     let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
+    let bounds = (limit, options.stages);
     let own_repeats = OwnRepeats::of_route(mesh, route);
-    let finish = loop {
-        let finish = if route.pins.is_empty() {
-            smooth_loop(mesh, route, limit, options.stages, work, report, observer)?
-        } else {
-            smooth_legs(mesh, route, limit, options.stages, work, report, observer)?
-        };
-        // Cutting a loop shortens the line, so this ends; measured, it happens on CAD slivers alone.
-        let cuts = own_repeats.cut_new_loops(mesh, route);
-        report.loops_removed += cuts;
-        if cuts == 0 || report.iterations >= limit {
-            break finish;
+    let mut finish = straighten(mesh, route, &own_repeats, bounds, work, report, observer)?;
+    let length_of_route = |route: &Route| points_of(mesh, route).map_or(0.0, |points| length_of(&points, route.closed));
+    let mut length = length_of_route(route);
+    for _ in 0..MOST_RUNS {
+        if !matches!(finish, Finish::Cycling) {
+            break;
         }
-    };
+        // Where edges have no length, no angle tells which side of a vertex is better.
+        finish = straighten(mesh.shaken(), route, &own_repeats, bounds, work, report, observer)?;
+        snap_shaken(mesh, route);
+        // In needles angles are below what double precision can tell: there length is the judge.
+        let before = std::mem::replace(&mut length, length_of_route(route));
+        if matches!(finish, Finish::Cycling) && length >= before * (1.0 - SETTLED_FALL) {
+            finish = Finish::Settled;
+        }
+    }
     route.snap_to_vertices(mesh);
     report.stop_reason = match (finish, route.touches_vertex()) {
         (Finish::Settled, false) => StopReason::Converged,
@@ -58,6 +72,50 @@ pub fn smooth_geodesic(
         (Finish::Limited, _) => StopReason::MaxIterations,
     };
     Ok(())
+}
+
+/// Rounds on all legs, and loops cut out, until neither changes anything; at most so many, with or without stages.
+fn straighten(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    own_repeats: &OwnRepeats,
+    (limit, stages): (u32, bool),
+    work: &mut Workspace,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<Finish> {
+    loop {
+        let finish = if route.pins.is_empty() {
+            smooth_loop(mesh, route, limit, stages, work, report, observer)?
+        } else {
+            smooth_legs(mesh, route, limit, stages, work, report, observer)?
+        };
+        // Cutting a loop shortens the line, so this ends; measured, it happens on CAD slivers alone.
+        let cuts = own_repeats.cut_new_loops(mesh, route);
+        report.loops_removed += cuts;
+        if cuts == 0 || report.iterations >= limit {
+            return Ok(finish);
+        }
+    }
+}
+
+/// Crossings nearer to a vertex than the shaken mesh can tell are at it.
+fn snap_shaken(mesh: &SurfaceMesh, route: &mut Route) {
+    for leg in &mut route.legs {
+        for (&letter, t) in leg.word.iter().zip(&mut leg.parameters) {
+            let [low, high] = mesh.sorted_ends(letter);
+            if *t <= SNAP_SHARE && is_moved(mesh, low) {
+                *t = 0.0;
+            } else if *t >= 1.0 - SNAP_SHARE && is_moved(mesh, high) {
+                *t = 1.0;
+            }
+        }
+    }
+}
+
+/// Whether the shaken mesh has a vertex elsewhere.
+fn is_moved(mesh: &SurfaceMesh, vertex: VertexId) -> bool {
+    mesh.position(vertex) != mesh.shaken().position(vertex)
 }
 
 enum Finish {
@@ -131,7 +189,7 @@ fn smooth_loop(
     let word = std::mem::take(&mut route.legs[0].word);
     let shape = Route { closed: true, pins: Vec::new(), legs: Vec::new() };
     let mut is_limited = false;
-    let leg = straighten_loop(mesh, word, work, report, |leg, report| {
+    let (leg, is_capped) = straighten_loop(mesh, word, work, report, |leg, report| {
         go_on(observer, Step::Relax)?;
         report.iterations += 1;
         if stages {
@@ -141,7 +199,11 @@ fn smooth_loop(
         Ok(!is_limited)
     })?;
     route.legs[0] = leg;
-    Ok(if is_limited { Finish::Limited } else { Finish::Settled })
+    Ok(match (is_limited, is_capped) {
+        (true, _) => Finish::Limited,
+        (false, true) => Finish::Cycling,
+        (false, false) => Finish::Settled,
+    })
 }
 
 /// Points of a route, for the stages; `None` never happens for routes that a filter made.

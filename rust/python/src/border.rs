@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use smooth_polylines_core::{Error, Observer, Step};
 
 use crate::errors;
+use crate::limits::{Limit, Limits};
 use crate::threads::pool;
 
 /// Longest time between two looks at Python's signals: Ctrl-C has to stop a run within 0.2 s.
@@ -49,8 +50,8 @@ pub fn run_watched<T: Send>(
                 *outcome = Some(catch_unwind(AssertUnwindSafe(|| work(stop))));
                 drop(sender);
             });
-            while is_done.recv_timeout(SIGNAL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                if watch.look_at_signals() == ControlFlow::Break(()) {
+            while is_done.recv_timeout(watch.look_after()) == Err(RecvTimeoutError::Timeout) {
+                if watch.look() == ControlFlow::Break(()) {
                     stop.store(true, Ordering::Relaxed);
                     break;
                 }
@@ -58,6 +59,35 @@ pub fn run_watched<T: Send>(
         });
     });
     outcome.expect("the scope waits for its task").map_err(|panic| errors::internal_error(py, &*panic))
+}
+
+/// What `work`, which cannot be broken off, returns, computed on a thread of the pool. When a signal's handler raises or a
+/// limit is reached, the call returns at once; the work goes on to its end unseen and is dropped there.
+pub fn run_apart<T: Send + 'static>(
+    py: Python<'_>,
+    watch: &mut Watch,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    let (sender, receiver) = mpsc::channel();
+    pool(py)?.spawn(move || {
+        // Nobody may listen any more.
+        let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
+    });
+    let watching = &mut *watch;
+    let outcome = py.detach(move || {
+        loop {
+            match receiver.recv_timeout(watching.look_after()) {
+                Ok(outcome) => break Some(outcome),
+                Err(RecvTimeoutError::Disconnected) => break None,
+                Err(RecvTimeoutError::Timeout) if watching.look() == ControlFlow::Break(()) => break None,
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    });
+    match outcome {
+        Some(outcome) => outcome.map_err(|panic| errors::internal_error(py, &*panic)),
+        None => Err(watch.raise(py, Error::Interrupted)),
+    }
 }
 
 /// What `work` returns, for calls too short to release the interpreter; a panic becomes InternalError.
@@ -130,18 +160,32 @@ impl StepClock {
     }
 }
 
-/// Watches one call of the core: keeps time and asks Python for signals.
+/// Why a watch broke a call off.
+enum Ended {
+    /// A signal's handler, or the caller's `stop`, raised.
+    Raised(PyErr),
+    /// A limit was reached.
+    Limit(Limit),
+}
+
+/// Watches one call of the core: keeps time, asks Python for signals, and looks at the caller's limits.
 pub struct Watch {
     clock: StepClock,
-    signals_seen: Instant,
-    raised: Option<PyErr>,
+    limits: Limits,
+    looked: Instant,
+    ended: Option<Ended>,
 }
 
 impl Watch {
-    /// A watch that starts now.
+    /// A watch that starts now and has no limits.
     pub fn start() -> Self {
+        Self::start_within(Limits::default())
+    }
+
+    /// A watch that starts now.
+    pub fn start_within(limits: Limits) -> Self {
         let clock = StepClock::start();
-        Self { signals_seen: clock.begun, clock, raised: None }
+        Self { looked: clock.begun, clock, limits, ended: None }
     }
 
     /// The times of a call that has ended.
@@ -151,23 +195,44 @@ impl Watch {
 
     /// The exception for `error`; what a signal handler raised has precedence over the core's `Interrupted`.
     pub fn raise(&mut self, py: Python<'_>, error: Error) -> PyErr {
-        match (error, self.raised.take()) {
-            (Error::Interrupted, Some(raised)) => raised,
+        match (error, self.ended.take()) {
+            (Error::Interrupted, Some(Ended::Raised(raised))) => raised,
+            (Error::Interrupted, Some(Ended::Limit(limit))) => self.limits.raise(py, limit),
             (error, _) => errors::from_core(py, error),
         }
     }
 
-    /// Lets Python's signal handlers run; a break when one raised.
-    fn look_at_signals(&mut self) -> ControlFlow<()> {
-        // None: the interpreter is shutting down, nobody waits for the line any more.
-        match Python::try_attach(|py| py.check_signals()) {
-            Some(Ok(())) => ControlFlow::Continue(()),
-            Some(Err(raised)) => {
-                self.raised = Some(raised);
-                ControlFlow::Break(())
-            }
+    /// How long to wait before the next look.
+    fn look_after(&self) -> Duration {
+        let left = self.limits.time.map(|time| time.saturating_sub(self.clock.begun.elapsed()));
+        left.map_or(SIGNAL_INTERVAL, |left| left.clamp(Duration::from_millis(1), SIGNAL_INTERVAL))
+    }
+
+    /// Lets Python's signal handlers run and looks at the limits; a break when the work shall end.
+    fn look(&mut self) -> ControlFlow<()> {
+        if self.is_time_up(Instant::now()) {
+            return self.end(Ended::Limit(Limit::Time));
+        }
+        let is_stopped = Python::try_attach(|py| {
+            py.check_signals()?;
+            self.limits.is_stopped(py)
+        });
+        match is_stopped {
+            Some(Ok(false)) => ControlFlow::Continue(()),
+            Some(Ok(true)) => self.end(Ended::Limit(Limit::Stop)),
+            Some(Err(raised)) => self.end(Ended::Raised(raised)),
+            // The interpreter is shutting down, nobody waits for the line any more.
             None => ControlFlow::Break(()),
         }
+    }
+
+    fn is_time_up(&self, now: Instant) -> bool {
+        self.limits.time.is_some_and(|time| now - self.clock.begun >= time)
+    }
+
+    fn end(&mut self, why: Ended) -> ControlFlow<()> {
+        self.ended = Some(why);
+        ControlFlow::Break(())
     }
 }
 
@@ -175,9 +240,9 @@ impl Observer for Watch {
     fn step(&mut self, step: Step) -> ControlFlow<()> {
         let now = Instant::now();
         self.clock.begin(step, now);
-        if now - self.signals_seen >= SIGNAL_INTERVAL {
-            self.signals_seen = now;
-            return self.look_at_signals();
+        if now - self.looked >= SIGNAL_INTERVAL || self.is_time_up(now) {
+            self.looked = now;
+            return self.look();
         }
         ControlFlow::Continue(())
     }

@@ -4,7 +4,7 @@
 
 use std::any::Any;
 
-use pyo3::exceptions::{PyException, PyKeyboardInterrupt, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyException, PyKeyboardInterrupt, PyTimeoutError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -18,6 +18,7 @@ struct Exceptions {
     no_path: Py<PyType>,
     collapsed: Py<PyType>,
     cut: Py<PyType>,
+    limit: Py<PyType>,
     internal: Py<PyType>,
 }
 
@@ -65,6 +66,13 @@ fn exceptions(py: Python<'_>) -> PyResult<&Exceptions> {
         )?;
         let collapsed = define(py, "CollapsedError", "A closed line shrank to a point.", &[&error])?;
         let cut = define(py, "CutError", "Lines could not be put into the mesh.", &[&error])?;
+        let timeout_error = py.get_type::<PyTimeoutError>();
+        let limit = define(
+            py,
+            "LimitError",
+            "A call was ended by its `time_limit` or by its `stop`; nothing half finished is returned.",
+            &[&error, &timeout_error],
+        )?;
         let internal = define(py, "InternalError", "A defect of this package: please report it.", &[&error])?;
         Ok(Exceptions {
             error: error.unbind(),
@@ -73,6 +81,7 @@ fn exceptions(py: Python<'_>) -> PyResult<&Exceptions> {
             no_path: no_path.unbind(),
             collapsed: collapsed.unbind(),
             cut: cut.unbind(),
+            limit: limit.unbind(),
             internal: internal.unbind(),
         })
     })
@@ -82,7 +91,8 @@ fn exceptions(py: Python<'_>) -> PyResult<&Exceptions> {
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     let all = exceptions(py)?;
-    for class in [&all.error, &all.mesh, &all.option, &all.no_path, &all.collapsed, &all.cut, &all.internal] {
+    for class in [&all.error, &all.mesh, &all.option, &all.no_path, &all.collapsed, &all.cut, &all.limit, &all.internal]
+    {
         let class = class.bind(py);
         module.add(class.name()?, class)?;
     }
@@ -107,6 +117,11 @@ pub fn from_core(py: Python<'_>, error: core::Error) -> PyErr {
         core::Error::Tangled { .. } => raise(py, |all| &all.cut, message),
         core::Error::Interrupted => PyKeyboardInterrupt::new_err(message),
     }
+}
+
+/// A LimitError.
+pub fn limit_error(py: Python<'_>, message: String) -> PyErr {
+    raise(py, |all| &all.limit, message)
 }
 
 /// An OptionError about `argument`.

@@ -15,6 +15,7 @@ mod edge_path;
 mod errors;
 mod frozen_arrays;
 mod input_arrays;
+mod limits;
 mod line_options;
 mod mesh;
 mod mesh_lines;

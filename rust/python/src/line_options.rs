@@ -198,6 +198,7 @@ pub fn read_flag(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
     value.extract().map_err(|_| refuse_type(argument, value, "a bool"))
 }
 
+/// A number; a bool is none.
 pub fn read_number(argument: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyResult<f64> {
     if value.extract::<bool>().is_ok() {
         return Err(refuse_type(argument, value, expected));

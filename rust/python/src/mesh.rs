@@ -7,9 +7,9 @@ use glam::DVec3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
-use smooth_polylines_core::{Polyline, SurfaceMesh};
+use smooth_polylines_core::{MeshReport, Polyline, SurfaceMesh};
 
-use crate::border::{Seconds, Watch, run_attached, run_detached, run_on_threads};
+use crate::border::{Seconds, Watch, run_apart, run_attached, run_detached, run_on_threads};
 use crate::closest_points::PyClosestPoints;
 use crate::errors::{from_core, type_error};
 use crate::frozen_arrays::{freeze_rows, freeze_vector, point_rows};
@@ -17,6 +17,10 @@ use crate::input_arrays::{read_positions, read_triangle_faces, read_triangles};
 use crate::mesh_report::PyMeshReport;
 use crate::polyline::PyPolyline;
 use crate::ray_hits::PyRayHits;
+
+/// Triangles from which on work over a whole mesh may take longer than Ctrl-C should have to wait: a million take a
+/// tenth of a second to open.
+const LONG_TRIANGLES: usize = 500_000;
 
 /// A triangle mesh, opened for lines.
 ///
@@ -59,6 +63,31 @@ pub struct PySurfaceMesh {
     pub(crate) mesh: Arc<SurfaceMesh>,
 }
 
+impl PySurfaceMesh {
+    fn is_long(&self) -> bool {
+        self.mesh.triangles().len() >= LONG_TRIANGLES
+    }
+
+    /// Builds the boxes that searches in space need, where that takes long: it cannot be broken off.
+    pub(crate) fn build_tree(&self, py: Python<'_>, watch: &mut Watch) -> PyResult<()> {
+        if self.mesh.has_triangle_tree() || !self.is_long() {
+            return Ok(());
+        }
+        let mesh = Arc::clone(&self.mesh);
+        run_apart(py, watch, move || {
+            mesh.triangle_tree();
+        })
+    }
+
+    fn counts(&self, py: Python<'_>) -> PyResult<MeshReport> {
+        if self.mesh.has_report() || !self.is_long() {
+            return run_attached(py, || self.mesh.report());
+        }
+        let mesh = Arc::clone(&self.mesh);
+        run_apart(py, &mut Watch::start(), move || mesh.report())
+    }
+}
+
 #[pymethods]
 impl PySurfaceMesh {
     #[new]
@@ -73,8 +102,10 @@ impl PySurfaceMesh {
         let triangles = read_triangles("triangles", triangles, positions.len())?;
         let faces =
             triangle_faces.map(|faces| read_triangle_faces("triangle_faces", faces, triangles.len())).transpose()?;
-        let mesh = run_on_threads(py, || SurfaceMesh::new(positions, triangles, faces))?
-            .map_err(|error| from_core(py, error.into()))?;
+        let is_long = triangles.len() >= LONG_TRIANGLES;
+        let open = || SurfaceMesh::new(positions, triangles, faces);
+        let mesh = if is_long { run_apart(py, &mut Watch::start(), open)? } else { run_on_threads(py, open)? };
+        let mesh = mesh.map_err(|error| from_core(py, error.into()))?;
         Ok(Self { mesh: Arc::new(mesh) })
     }
 
@@ -105,6 +136,7 @@ impl PySurfaceMesh {
     fn closest_points(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<PyClosestPoints> {
         let mut watch = Watch::start();
         let points = read_positions("points", points)?.to_points()?;
+        self.build_tree(py, &mut watch)?;
         let found = run_detached(py, || self.mesh.closest_points(&points, "points", &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
         Ok(PyClosestPoints::new(Arc::clone(&self.mesh), found))
@@ -147,6 +179,7 @@ impl PySurfaceMesh {
         let mut watch = Watch::start();
         let origins = read_positions("origins", origins)?.to_points()?;
         let directions = read_positions("directions", directions)?.to_points()?;
+        self.build_tree(py, &mut watch)?;
         let hits = run_detached(py, || self.mesh.ray_cast(&origins, &directions, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
         Ok(PyRayHits::new(Arc::clone(&self.mesh), hits))
@@ -187,7 +220,7 @@ impl PySurfaceMesh {
     /// Counts of elements and defects: a MeshReport.
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<PyMeshReport> {
-        Ok(run_attached(py, || self.mesh.report())?.into())
+        Ok(self.counts(py)?.into())
     }
 
     /// The part of each triangle, (F,) int32: numbered from 0 by their first triangles, one for each of `report.parts`.
@@ -220,7 +253,7 @@ impl PySurfaceMesh {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let counts = run_attached(py, || self.mesh.report())?;
+        let counts = self.counts(py)?;
         let plural = |count: usize, noun: &str| match noun.strip_suffix("ex") {
             _ if count == 1 => format!("1 {noun}"),
             Some(stem) => format!("{count} {stem}ices"),

@@ -3,12 +3,14 @@
 //! Holds their arguments and their documentation; what they have in common with all calls is in `border`.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use smooth_polylines_core::options::{DEFAULT_SUPPORT, DEFAULT_THRESHOLD};
 use smooth_polylines_core::{Filter, Knots, Options, Pinned, Solver, smooth, stroke};
 
 use crate::border::{Watch, run_detached};
+use crate::limits::{Limits, read_stop, read_time_limit};
 use crate::line_options::{
     read_closed, read_detail_size, read_filter, read_knots, read_max_iterations, read_pinned, read_solver, read_stages,
     read_support, read_threshold,
@@ -52,6 +54,11 @@ impl PySurfaceMesh {
     ///     nearest to them by least squares, which takes out larger detail. Cost: in proportion to its square.
     /// stages : bool
     ///     Keep the points after each round in `report.stages`.
+    /// time_limit : float, optional
+    ///     Seconds after which the call is ended. How far it comes in that time hangs on the machine, so no line is
+    ///     returned; `max_iterations` is the limit that gives a line, the same on every machine.
+    /// stop : threading.Event or any object with `is_set()`, optional
+    ///     Ends the call soon after another thread has set it: it is looked at twenty times a second.
     ///
     /// The interpreter is released meanwhile; Ctrl-C stops the work. Cost: a search between the picks, then linear in
     /// the strip for each step.
@@ -64,6 +71,8 @@ impl PySurfaceMesh {
     ///     Consecutive picks lie on parts that are not connected.
     /// CollapsedError
     ///     A closed line shrank to a point.
+    /// LimitError
+    ///     Ended by `time_limit` or `stop`.
     /// TypeError
     ///     A pick or an argument of a wrong type.
     ///
@@ -71,10 +80,10 @@ impl PySurfaceMesh {
     #[pyo3(
         signature = (picks, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
                      threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
-                     support=DEFAULT_SUPPORT, stages=false),
+                     support=DEFAULT_SUPPORT, stages=false, time_limit=None, stop=None),
         text_signature = "($self, picks, closed=False, filter='linear', pinned='ends', solver='auto', \
                           threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
-                          support=2, stages=False)"
+                          support=2, stages=False, time_limit=None, stop=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
     fn polyline(
@@ -91,8 +100,10 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_knots)] knots: Knots,
         #[pyo3(from_py_with = read_support)] support: usize,
         #[pyo3(from_py_with = read_stages)] stages: bool,
+        #[pyo3(from_py_with = read_time_limit)] time_limit: Option<Duration>,
+        #[pyo3(from_py_with = read_stop)] stop: Option<Py<PyAny>>,
     ) -> PyResult<PyPolyline> {
-        let mut watch = Watch::start();
+        let mut watch = Watch::start_within(Limits { time: time_limit, stop });
         let options =
             Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks("picks", picks)?;
@@ -128,6 +139,8 @@ impl PySurfaceMesh {
     ///     Neighbouring points lie on parts that are not connected.
     /// CollapsedError
     ///     A closed line shrank to a point.
+    /// LimitError
+    ///     Ended by `time_limit` or `stop`.
     /// TypeError
     ///     A wrong dtype, rank or type.
     ///
@@ -145,10 +158,10 @@ impl PySurfaceMesh {
     #[pyo3(
         signature = (points, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
                      threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
-                     support=DEFAULT_SUPPORT, stages=false),
+                     support=DEFAULT_SUPPORT, stages=false, time_limit=None, stop=None),
         text_signature = "($self, points, closed=False, filter='linear', pinned='ends', solver='auto', \
                           threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
-                          support=2, stages=False)"
+                          support=2, stages=False, time_limit=None, stop=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
     fn stroke(
@@ -165,11 +178,14 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_knots)] knots: Knots,
         #[pyo3(from_py_with = read_support)] support: usize,
         #[pyo3(from_py_with = read_stages)] stages: bool,
+        #[pyo3(from_py_with = read_time_limit)] time_limit: Option<Duration>,
+        #[pyo3(from_py_with = read_stop)] stop: Option<Py<PyAny>>,
     ) -> PyResult<PyPolyline> {
-        let mut watch = Watch::start();
+        let mut watch = Watch::start_within(Limits { time: time_limit, stop });
         let options =
             Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let points = read_stroke_points(points)?;
+        self.build_tree(py, &mut watch)?;
         let line = run_detached(py, || stroke::stroke(&self.mesh, &points, &options, &mut watch))?
             .map_err(|error| watch.raise(py, error))?;
         PyPolyline::new(py, Arc::clone(&self.mesh), line, watch.stop())

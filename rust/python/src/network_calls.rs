@@ -3,6 +3,7 @@
 //! Holds its arguments and its documentation; what it has in common with all calls is in `border`.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use smooth_polylines_core::connections::Connections;
@@ -10,6 +11,7 @@ use smooth_polylines_core::options::{DEFAULT_SUPPORT, DEFAULT_THRESHOLD};
 use smooth_polylines_core::{Filter, Knots, Options, Pinned, Solver};
 
 use crate::border::{Watch, run_watched};
+use crate::limits::{Limits, read_stop, read_time_limit};
 use crate::line_options::{
     read_avoid_crossings, read_closed, read_connections, read_detail_size, read_filter, read_knots,
     read_max_iterations, read_pinned, read_solver, read_stages, read_support, read_threshold,
@@ -41,6 +43,8 @@ impl PySurfaceMesh {
     ///
     /// Raises
     /// ------
+    /// LimitError
+    ///     Ended by `time_limit` (of the whole call) or `stop`.
     /// OptionError
     ///     An argument out of its range, a connection to a pick that does not exist. What goes wrong with one line is
     ///     in `Network.errors` instead.
@@ -57,10 +61,11 @@ impl PySurfaceMesh {
     #[pyo3(
         signature = (picks, connections, closed=false, filter=Filter::Linear, pinned=Pinned::Ends, solver=Solver::Auto,
                      threshold=DEFAULT_THRESHOLD, max_iterations=None, detail_size=None, *, knots=Knots::Centripetal,
-                     support=DEFAULT_SUPPORT, stages=false, avoid_crossings=None),
+                     support=DEFAULT_SUPPORT, stages=false, avoid_crossings=None, time_limit=None, stop=None),
         text_signature = "($self, picks, connections, closed=False, filter='linear', pinned='ends', solver='auto', \
                           threshold=0.0001, max_iterations=None, detail_size=None, *, knots='centripetal', \
-                          support=2, stages=False, avoid_crossings=None)"
+                          support=2, stages=False, avoid_crossings=None, time_limit=None, \
+                          stop=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "the keyword arguments of the public interface")]
     fn network(
@@ -79,8 +84,10 @@ impl PySurfaceMesh {
         #[pyo3(from_py_with = read_support)] support: usize,
         #[pyo3(from_py_with = read_stages)] stages: bool,
         #[pyo3(from_py_with = read_avoid_crossings)] avoid_crossings: Option<bool>,
+        #[pyo3(from_py_with = read_time_limit)] time_limit: Option<Duration>,
+        #[pyo3(from_py_with = read_stop)] stop: Option<Py<PyAny>>,
     ) -> PyResult<PyNetwork> {
-        let mut watch = Watch::start();
+        let mut watch = Watch::start_within(Limits { time: time_limit, stop });
         let options =
             Options { closed, filter, pinned, solver, threshold, max_iterations, detail_size, knots, support, stages };
         let picks = read_picks("picks", picks)?;

@@ -42,11 +42,13 @@ enum Loop {
 
 /// How an anchored loop goes on.
 enum Next {
-    Done(Leg),
+    /// And whether a vertex was left because it had changed too often.
+    Done(Leg, bool),
     Again(Loop),
 }
 
-/// Straightens a closed strip. `on_round` is told the line after each round and may stop the work.
+/// Straightens a closed strip; also tells whether a vertex was left because it had changed too often. `on_round` is told
+/// the line after each round and may stop the work.
 ///
 /// # Errors
 /// [`Error::Collapsed`] when the line shrinks to a point, and what `on_round` returns.
@@ -56,17 +58,17 @@ pub fn straighten_loop(
     work: &mut Workspace,
     report: &mut Report,
     mut on_round: impl FnMut(&Leg, &mut Report) -> Result<bool>,
-) -> Result<Leg> {
+) -> Result<(Leg, bool)> {
     let mut state = relax_loop(mesh, word, report)?;
     loop {
         match state {
             Loop::Straight(leg) => {
                 on_round(&leg, report)?;
-                return Ok(leg);
+                return Ok((leg, false));
             }
             Loop::Anchored { word, vertex, run_length } => {
                 match relax_anchored(mesh, word, vertex, run_length, work, report, &mut on_round)? {
-                    Next::Done(leg) => return Ok(leg),
+                    Next::Done(leg, is_capped) => return Ok((leg, is_capped)),
                     Next::Again(next) => state = next,
                 }
             }
@@ -184,7 +186,7 @@ fn relax_anchored(
         return collapsed;
     }
     if !may_go_on || solver.is_capped {
-        return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex)));
+        return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex), solver.is_capped));
     }
     let new_turn = match (turn.first(), turn.last()) {
         (Some(&first), Some(&last)) => {
@@ -192,7 +194,7 @@ fn relax_anchored(
             let sides = measure_sides(mesh, &run);
             let limit = PI - ANGLE_SLACK;
             if sides.own >= limit && sides.other >= limit {
-                return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex)));
+                return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex), false));
             }
             if sides.own <= sides.other {
                 turn

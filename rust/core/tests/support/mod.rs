@@ -5,6 +5,7 @@
 
 pub mod files;
 pub mod random;
+pub mod raw;
 pub mod shapes;
 
 use smooth_polylines_core::check::check_polyline;

@@ -1,7 +1,7 @@
 # Types of the compiled module. What each name does is in its docstring there; here are only shapes and dtypes.
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal, SupportsFloat, SupportsIndex, TypeAlias, TypedDict, final
+from typing import Any, Literal, Protocol, SupportsFloat, SupportsIndex, TypeAlias, TypedDict, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,7 @@ __all__ = [
     "EdgePath",
     "Error",
     "InternalError",
+    "LimitError",
     "MeshError",
     "MeshReport",
     "Network",
@@ -38,6 +39,9 @@ __all__ = [
     "__version__",
     "find_crossings",
 ]
+
+class _Stop(Protocol):
+    def is_set(self) -> bool: ...
 
 class _Seconds(TypedDict):
     search: float
@@ -54,6 +58,7 @@ class OptionError(Error, ValueError): ...
 class NoPathError(Error): ...
 class CollapsedError(Error): ...
 class CutError(Error): ...
+class LimitError(Error, TimeoutError): ...
 class InternalError(Error): ...
 
 @final
@@ -324,6 +329,8 @@ class SurfaceMesh:
         knots: _Knots = "centripetal",
         support: SupportsIndex = 2,
         stages: bool = False,
+        time_limit: SupportsFloat | None = None,
+        stop: _Stop | None = None,
     ) -> Polyline: ...
     def stroke(
         self,
@@ -339,6 +346,8 @@ class SurfaceMesh:
         knots: _Knots = "centripetal",
         support: SupportsIndex = 2,
         stages: bool = False,
+        time_limit: SupportsFloat | None = None,
+        stop: _Stop | None = None,
     ) -> Polyline: ...
     def closest_points(self, points: ArrayLike) -> ClosestPoints: ...
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHits: ...
@@ -359,6 +368,8 @@ class SurfaceMesh:
         support: SupportsIndex = 2,
         stages: bool = False,
         avoid_crossings: bool | None = None,
+        time_limit: SupportsFloat | None = None,
+        stop: _Stop | None = None,
     ) -> Network: ...
     def cut(self, lines: Sequence[Polyline] | Network, tolerance: float = 0.001) -> Cut: ...
     def line_from_bytes(self, data: bytes | bytearray) -> Polyline: ...

@@ -1,0 +1,53 @@
+//! What the fuzzers have found, each as a numbered test: the bytes mean what `support::raw` makes of them.
+//!
+//! A find is added here with what was wrong, before it is mended; `rust/fuzz` has the targets.
+
+mod support;
+
+use support::raw::{judge_bytes, judge_line, judge_mesh};
+
+/// The bytes of a find, as the fuzzer's artifact holds them.
+fn bytes(hex: &str) -> Vec<u8> {
+    let digit = |i: usize| u8::from_str_radix(&hex[i..i + 2], 16).expect("two hexadecimal digits");
+    (0..hex.len()).step_by(2).map(digit).collect()
+}
+
+/// `fair` on needles: a sample for each half of an edge 1e-13 long, on a line a million times as long: the memory for
+/// them could not be had, which ended the process.
+#[test]
+fn find_1_as_many_samples_as_no_memory_holds() {
+    judge_line(&bytes("21602108f60000000000ff010030ffff00faff000000f6ffff32770108ffb700000000310108770108ffb7"));
+}
+
+/// Two pins in a triangle without area, at one place on two of its edges: no line can keep their points apart.
+#[test]
+fn find_2_pins_at_one_place_of_a_flat_triangle() {
+    for hex in [
+        "ee06ff0007ffef2c88ff01ffff0001000100000000000050ef41ffffffff3c0100002bf700ff01ffffcb0b",
+        "21600100faffb70000005130ffffff0a000a00fa0080ff66b7006977ffff0a00fa0080ff66b7006977ffff",
+        "61602108fa10002b2c0001012b2c00004545fa9688fef781b7003151452c0000004545fa1080ff6608ffb7",
+        "d208107bffffbfb900ffb7290000b12b0000002b88002b3888003824103838383839007700047e00234301",
+        "0108ffb704772c88101088677700007e7e7effb704772c88101088670100007e7e7e66b7006977ffee77ff",
+    ] {
+        judge_line(&bytes(hex));
+    }
+}
+
+/// `fair` along needles 1e-13 wide had not settled after a thousand rounds, though it went on to get better.
+#[test]
+fn find_3_fair_on_needles_settles_late() {
+    judge_line(&bytes("f8f882f882dbdb05dbdb030303030303dbff0000b70000002b00db00dbdbdbdbdbdbdbdbdbdbdbdbdbdb5b"));
+}
+
+/// Any short input means something to each target.
+#[test]
+fn nothing_and_little_are_judged() {
+    for length in 0..40 {
+        for fill in [0u8, 1, 77, 255] {
+            let data = vec![fill; length];
+            judge_line(&data);
+            judge_bytes(&data);
+            judge_mesh(&data);
+        }
+    }
+}
