@@ -60,7 +60,7 @@ def pick_sets(triangles, edge_ids, rng):
         sets["boundary"] = [alone[int(i)] for i in rng.integers(len(alone), size=4)]
     sets["equal"] = any_triangle(1) * 3
     sets["points"] = [_point(triangle, rng) for triangle in any_triangle(5)]
-    sets["many"] = any_triangle(int(round(MOST_PICKS ** rng.uniform(0, 1))))
+    sets["many"] = any_triangle(round(MOST_PICKS ** rng.uniform(0, 1)))
     return sets
 
 

@@ -23,8 +23,8 @@ LIMIT_SECONDS = 60
 THINNEST = 1e-7
 
 
-# What a geodesic may be bent by, in radians, on a mesh with such triangles: it is found on one whose vertices were moved
-# apart there, by a hundred-billionth of an edge.
+# What a geodesic may be bent by, in radians, on a mesh with such triangles: it is found on one whose vertices were
+# moved apart there, by a hundred-billionth of an edge.
 FLAT_SLACK = 1e-8
 
 
@@ -51,7 +51,7 @@ class Judge:
         self.is_flat_vertex[triangles[self.is_flat].ravel()] = True
 
     def record(self, job):
-        """A dict: outcome (a stop reason, the name of an error, or "BROKEN"), rounds, milliseconds, and what is broken."""
+        """A dict: outcome (a stop reason, an error's name, or "BROKEN"), rounds, milliseconds, and what is broken."""
         began = time.perf_counter()
         try:
             line = self.mesh.polyline(job.picks, **job.options(), time_limit=LIMIT_SECONDS)

@@ -52,7 +52,7 @@ def needle_surface(rng):
 
 def fan(rng):
     """A vertex of valence 3 to 2000: flat, pointed, or open."""
-    valence = int(round(3 * 10 ** rng.uniform(0, np.log10(2000 / 3))))
+    valence = round(3 * 10 ** rng.uniform(0, np.log10(2000 / 3)))
     return make_fan(valence, closed=bool(rng.integers(2)), height=float(rng.choice([0.0, 0.3, 3.0])))
 
 
@@ -171,7 +171,9 @@ def twisted(rng):
 
 def fifty_parts(rng):
     """Fifty pieces that are not connected, some inside each other."""
-    pieces = [make_sphere(int(rng.integers(0, 2))) for _ in range(25)] + [make_grid(int(rng.integers(1, 5))) for _ in range(25)]
+    pieces = [make_sphere(int(rng.integers(0, 2))) for _ in range(25)] + [
+        make_grid(int(rng.integers(1, 5))) for _ in range(25)
+    ]
     positions, triangles, first = [], [], 0
     for p, t in pieces:
         positions.append(p * rng.uniform(0.1, 1) + rng.uniform(-3, 3, 3))

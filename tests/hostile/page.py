@@ -34,8 +34,8 @@ def _by_filter(results):
         for record in result["records"]:
             groups[record["way"]].append((record, result))
     rows = [
-        "| filter | asked | refused | lines | converged | at vertices | cycle | max_iterations | settled | worst rounds "
-        "| worst time, s | on |",
+        "| filter | asked | refused | lines | converged | at vertices | cycle | max_iterations | settled "
+        "| worst rounds | worst time, s | on |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for way in FILTERS:
@@ -60,8 +60,8 @@ def _by_kind(results):
     for result in results:
         groups[result["kind"]].append(result)
     rows = [
-        "| meshes | number | triangles | lines | OptionError | NoPathError | CollapsedError | geodesic and fair settled "
-        "| linear settled | cubic 1e-2 settled | worst rounds | worst time, s |",
+        "| meshes | number | triangles | lines | OptionError | NoPathError | CollapsedError "
+        "| geodesic and fair settled | linear settled | cubic 1e-2 settled | worst rounds | worst time, s |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for kind, group in groups.items():

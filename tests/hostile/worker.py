@@ -13,8 +13,8 @@ from hostile import made
 from hostile.jobs import jobs_of
 from hostile.judge import Judge
 
-# Of the 420 lines of a mesh every eleventh is asked for: 11 has no factor in common with the numbers of filters, pins and
-# kinds of picks, so that over the meshes all come together.
+# Of the 420 lines of a mesh every eleventh is asked for: 11 has no factor in common with the numbers of filters, pins
+# and kinds of picks, so that over the meshes all come together.
 EVERY = 11
 
 # A line that takes longer than this hangs, for all that anybody would wait.

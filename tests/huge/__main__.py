@@ -1,7 +1,7 @@
 """The command: a torus of ten million triangles is opened and lines are drawn across it, in a process of its own.
 
-Prints what it took; ends with 1 if the memory is above twice the arrays and the line, or a promise is broken. Memory is the
-highest resident set of the process, less what it was with the arrays alone.
+Prints what it took; ends with 1 if the memory is above twice the arrays and the line, or a promise is broken. Memory
+is the resident set of the process, less what it was with the arrays alone.
 """
 
 import argparse
@@ -17,7 +17,7 @@ MOST_TIMES_THE_INPUT = 2.0
 
 
 def make_bumpy_torus(triangles):
-    """Positions (V, 3) float64 and triangles (F, 3) int32, without Python loops: twice as many quads around as across."""
+    """Positions (V, 3) float64 and triangles (F, 3) int32, without Python loops."""
     across = int(np.sqrt(triangles / 4))
     around = triangles // (2 * across)
     i, j = np.divmod(np.arange(around * across, dtype=np.int32), np.int32(across))
@@ -60,8 +60,9 @@ def main():
         line = mesh.polyline(ends, filter=name)
         seconds = time.perf_counter() - began
         assert line.on(positions).tobytes() == line.points.tobytes()
+        told = f"{line.report.iterations} rounds, {line.report.stop_reason}"
         print(f"{name}: {seconds:.2f} s, {len(line.points):,} points, length {line.length:.6f} after "
-              f"{line.report.start_length:.6f}, {line.report.iterations} rounds, {line.report.stop_reason}")  # fmt: skip
+              f"{line.report.start_length:.6f}, {told}")  # fmt: skip
     now, peak = resident()
     print(f"with the lines: {(now - before) / arrays:.2f} times the arrays, at most {(peak - before) / arrays:.2f}")
     is_small = (kept - before) <= MOST_TIMES_THE_INPUT * arrays

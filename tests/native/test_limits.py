@@ -1,4 +1,4 @@
-"""Limits that a caller can set, and Ctrl-C, on everything that can take long: a named error, soon, and a mesh that works."""
+"""Limits that a caller can set, and Ctrl-C: a named error, soon, on all that can take long; the mesh works on."""
 
 import signal
 import threading
@@ -35,7 +35,9 @@ def long_calls(mesh, picks):
         "fair stroke": lambda **limits: mesh.stroke(points, filter="fair", detail_size=1e-4, **limits),
         "fair": lambda **limits: mesh.polyline(picks * 20, filter="fair", pinned="ends", detail_size=1e-5, **limits),
         "network": lambda **limits: mesh.network(picks, pairs, **slow, **limits),
-        "search": lambda **limits: mesh.network(picks * 60, np.arange(7200).reshape(-1, 2) % 3600, filter="none", **limits),
+        "search": lambda **limits: mesh.network(
+            picks * 60, np.arange(7200).reshape(-1, 2) % 3600, filter="none", **limits
+        ),
     }
 
 
@@ -73,6 +75,11 @@ def test_stop_ends_the_call_from_another_thread(fine, name):
     assert ended - set_at[0] < STOP_SECONDS + GRACE_SECONDS
 
 
+def repeat(call):
+    while True:
+        call()
+
+
 def interrupt(call, after=0.1):
     """Seconds from the signal to the exception of its handler."""
 
@@ -90,8 +97,7 @@ def interrupt(call, after=0.1):
     try:
         signal.setitimer(signal.ITIMER_REAL, after)
         with pytest.raises(StopError):
-            while True:
-                call()
+            repeat(call)
         return time.perf_counter() - sent
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)

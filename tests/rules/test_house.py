@@ -19,7 +19,7 @@ HOST = re.compile(
 )
 MACHINE_PATH = re.compile(r"(?<![\w.:/$}-])/(?:work|root|tmp|home|farm|opt)/[\w.]")
 # Kept as they came: legal texts, and what tools write.
-NOT_OURS = {"LICENSE-MIT", "LICENSE-APACHE", "addon/LICENSE", "Cargo.lock"}
+NOT_OURS = {"LICENSE-MIT", "LICENSE-APACHE", "addon/LICENSE", "Cargo.lock", "rust/fuzz/Cargo.lock"}
 TEXT_SUFFIXES = {".rs", ".py", ".pyi", ".toml", ".md", ".txt", ".yml", ".yaml", ".sh", ".json", ""}
 
 
