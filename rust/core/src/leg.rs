@@ -151,10 +151,15 @@ impl Leg {
                 *t = 1.0;
             }
         }
+        self.part_equal_points(mesh, is_ring);
+    }
+
+    /// Parts neighbouring crossings that have the same point, or puts both on the vertex that their edges share.
+    pub fn part_equal_points(&mut self, mesh: &SurfaceMesh, is_ring: bool) {
         let count = self.word.len();
-        // Neighbouring letters share one end; two equal points on them are within rounding of it. One snapped point can
-        // make the next pair equal, hence the second walk.
-        for i in (1..count).chain(is_ring.then_some(0)).chain(1..count) {
+        // Neighbouring letters share one end; two equal points on them are within rounding of it, or of vertices that are
+        // within rounding of each other. One parted point can make the next pair equal, hence the further walks.
+        for i in (0..3).flat_map(|_| (1..count).chain(is_ring.then_some(0))) {
             let j = (i + count - 1) % count;
             let (h, k) = (self.word[j], self.word[i]);
             let (s, t) = (self.parameters[j], self.parameters[i]);

@@ -36,6 +36,12 @@ impl Route {
         }
     }
 
+    /// Parts crossings that have the same point, for a line that is not smoothed and so not snapped.
+    pub fn part_equal_points(&mut self, mesh: &SurfaceMesh) {
+        let is_ring = self.pins.is_empty();
+        self.legs.iter_mut().for_each(|leg| leg.part_equal_points(mesh, is_ring));
+    }
+
     /// Whether the line runs through a mesh vertex between its pins.
     pub fn touches_vertex(&self) -> bool {
         self.legs.iter().flat_map(|leg| &leg.parameters).any(|&t| t == 0.0 || t == 1.0)

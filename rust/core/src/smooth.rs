@@ -90,7 +90,7 @@ pub fn smooth_input(
     let mut fair = KeptFair::default();
     match options.filter {
         _ if route.legs.is_empty() => {}
-        Filter::None => {}
+        Filter::None => route.part_equal_points(mesh),
         Filter::Geodesic => {
             let mut work = Workspace::default();
             let straighten = |leg: &mut Route, report: &mut Report| {
