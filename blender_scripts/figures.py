@@ -23,8 +23,8 @@ from figure_scenes import FIGURES  # noqa: E402
 HEAD = """# The paper's figures, redone
 
 What G.-P. Bonneau and S. Hahmann show in *Smooth Polylines on Polygon Meshes* (2003), on other meshes: models with ears
-and horns, and a scan of the size of the paper's ball joint. `make figures` makes this page and its pictures. Blue: before
-smoothing; red: the line; green: picks; yellow: the strip. All panels of a figure have one camera.
+and horns, and a scan of the size of the paper's ball joint. `make figures` makes this page and its pictures. Blue:
+before smoothing; red: the line; green: picks; yellow: the strip. All panels of a figure have one camera.
 """
 TABLE = """
 | figure | mesh | triangles | picks | line | rounds | vertex passes | length before | length after | ended with | ms | the paper |
