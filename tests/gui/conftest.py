@@ -8,7 +8,6 @@ import json
 import os
 import shutil
 import subprocess
-import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,35 +84,27 @@ class Window:
         return json.loads(told.read_text())
 
 
-def find_free_display():
-    """The number of a display that nobody uses: neither a lock nor a socket is there."""
-    for number in range(90, 200):
-        folder = Path(tempfile.gettempdir())
-        if not (folder / f".X{number}-lock").exists() and not (folder / ".X11-unix" / f"X{number}").exists():
-            return number
-    raise RuntimeError("no free display number between 90 and 199")
-
-
 @pytest.fixture(scope="session", params=list_blenders(), ids=lambda found: found[0])
 def window(request):
     name, root, program = request.param
-    # The server's lock and socket are in the root's own folder for temporary files, so number by number is enough.
     work = root / "tmp" / f"smooth-polylines-gui-{os.getpid()}"
     work.mkdir(parents=True)
-    number = find_free_display() + sorted(found[0] for found in list_blenders()).index(name)
-    window = Window(name, root, program, work, f":{number}")
+    window = Window(name, root, program, work, "")
     shutil.copytree(HERE / "scenarios", work / "scenarios")
     shutil.copy(HERE / "kit.py", work / "scenarios")
     (zip_file,) = (REPOSITORY / "dist").glob("smooth_polylines-*.zip")
     shutil.copy(zip_file, work / "extension.zip")
-    words = ["Xvfb", window.display, "-screen", "0", f"{SIZE[0]}x{SIZE[1]}x24", "-noreset", "-nolisten", "tcp"]
+    # The server finds a display number that nobody uses, also none of another folder's, and tells it.
+    words = ["Xvfb", "-displayfd", "1", "-screen", "0", f"{SIZE[0]}x{SIZE[1]}x24", "-noreset", "-nolisten", "tcp"]
     server = subprocess.Popen(
         window.command(*words, "-fbdir", window.inside(work)),
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
+        text=True,
     )
     try:
+        window.display = f":{server.stdout.readline().strip()}"
         screen = work / "Xvfb_screen0"
         until = time.monotonic() + 20
         while not screen.exists():
