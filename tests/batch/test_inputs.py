@@ -244,7 +244,7 @@ def test_picture_shows_the_lines_and_tells_no_time(plane):
     results, _, _, _ = plane
     pixels, pieces = pictures.read_png(results / "preview.png")
     assert pixels.shape == (160, 200, 3)
-    assert set(pieces) <= {b"IHDR", b"IDAT", b"IEND", b"sRGB", b"gAMA", b"pHYs", b"oFFs", b"cICP"}
+    assert set(pieces) <= {b"IHDR", b"IDAT", b"IEND", b"sRGB", b"gAMA", b"pHYs", b"oFFs", b"cICP", b"cHRM"}
     assert 300 < pictures.count_red(pixels) < 8000
 
 

@@ -126,12 +126,14 @@ def test_two_runs_at_once_in_one_folder(copy_of_inputs):
     first = start(copy_of_inputs / "job.json")
     try:
         wait_for(lambda: count_records(copy_of_inputs) >= 1)
+        first.send_signal(signal.SIGSTOP)  # else it may be done before the second has begun
         second = jobs.run_batch(copy_of_inputs / "job.json")
         assert second.returncode == 2
         assert f"another run (process {first.pid} on " in second.stderr
         apart = jobs.run_batch(copy_of_inputs / "job.json", "--shard", "1/2")
         assert apart.returncode == 2
     finally:
+        first.send_signal(signal.SIGCONT)
         _, told = first.communicate(timeout=jobs.SECONDS)
     assert first.returncode == 1, told
     assert count_records(copy_of_inputs) == 12
