@@ -127,4 +127,5 @@ def window(request):
             server.wait(10)
         except subprocess.TimeoutExpired:
             server.kill()
+        server.stdout.close()
         shutil.rmtree(work, ignore_errors=True)
