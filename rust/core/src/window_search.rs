@@ -49,13 +49,10 @@ const KEPT_VIEWS: usize = 1 << 16;
 /// In a window's `parent`: it comes from the start.
 const NO_PARENT: u32 = u32::MAX;
 
-/// What a search knows of an entry: a triangle, or a side of a sliver. See `search` for the stamp.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    /// The least estimate that waits there. Rounded: it only spares windows that would come too late.
-    best: f32,
-    stamp: u32,
-}
+/// What a search knows of an entry, which is a triangle or a side of a sliver: the least estimate that waits there (rounded:
+/// it only spares windows that would come too late), and a stamp, for which see `search`. A tuple, as `vec![..; n]` writes
+/// every page of a struct of zeroes, but not of a tuple.
+type Entry = (f32, u32);
 
 /// Where a window came in.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +115,7 @@ impl WindowGraph {
         let mut scratch = pooled.unwrap_or_default();
         if scratch.entries.len() != entries || scratch.stamp > u32::MAX - 4 {
             // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
-            scratch.entries = vec![Entry { best: 0.0, stamp: 0 }; entries];
+            scratch.entries = vec![(0.0, 0); entries];
             scratch.stamp = 0;
         }
         scratch.stamp += 2;
@@ -219,11 +216,11 @@ impl Search<'_> {
             let View { entered, .. } = self.scratch.views[id as usize];
             let window = self.scratch.windows[slot as usize];
             self.scratch.free.push(slot);
-            let entry = &mut self.scratch.entries[self.graph.entry_of(entered)];
-            if entry.stamp == closed {
+            let (_, stamp) = &mut self.scratch.entries[self.graph.entry_of(entered)];
+            if *stamp == closed {
                 continue;
             }
-            entry.stamp = closed;
+            *stamp = closed;
             pops += 1;
             if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
                 return Err(Error::Interrupted);
@@ -256,7 +253,7 @@ impl Search<'_> {
         let Some(entered) = self.mesh.twin(exit.letter) else { return };
         let Scratch { entries, views, windows, free, queue, stamp } = &mut self.scratch;
         let known = &mut entries[self.graph.entry_of(entered)];
-        if known.stamp == *stamp + 1 {
+        if known.1 == *stamp + 1 {
             return;
         }
         let window = window();
@@ -264,10 +261,10 @@ impl Search<'_> {
         let from_middle = 0.5 * exit.length - along;
         let [so_far, rest] = window.lengths_to(along, off);
         let estimate = so_far + REST_WEIGHT * rest + TIE_BREAK * (from_middle * from_middle + off * off).sqrt();
-        if known.stamp == *stamp && estimate as f32 > known.best {
+        if known.1 == *stamp && estimate as f32 > known.0 {
             return;
         }
-        *known = Entry { best: estimate as f32, stamp: *stamp };
+        *known = (estimate as f32, *stamp);
         let is_upward = exit.ends[0] < exit.ends[1];
         let window = if is_upward { window } else { window.reversed(exit.length) };
         let slot = match free.pop() {
