@@ -31,6 +31,7 @@ TABLE = """
 |---|---|---|---|---|---|---|---|---|---|---|---|"""  # noqa: E501
 TAIL = """
 Lengths are in the units of each mesh; times are those of one run on two busy cores, `report.seconds["total"]`.
+Not stated: not among the figures of the paper that this project has.
 """
 
 

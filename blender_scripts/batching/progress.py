@@ -69,7 +69,8 @@ class Progress:
 
     def _draw_bar(self) -> None:
         now = time.monotonic()
-        if not self._is_terminal or self._is_quiet or now - self._last_draw < REDRAW_SECONDS:
+        is_due = now - self._last_draw >= REDRAW_SECONDS or self.finished == self.total
+        if not self._is_terminal or self._is_quiet or not is_due:
             return
         self._last_draw = now
         filled = BAR_WIDTH * self.finished // max(1, self.total)

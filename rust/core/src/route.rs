@@ -26,20 +26,26 @@ impl Route {
     /// Snaps crossings that cannot be told from a mesh vertex in floating point to that vertex, so that it appears
     /// once on the line instead of as a cluster of equal points; and parts those that cannot be told from a pin.
     pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh) {
+        self.part_from_pins(mesh, Leg::snap_to_vertices);
+    }
+
+    /// Parts crossings that have the same point as each other or as a pin, for a line that is not smoothed and so not
+    /// snapped.
+    pub fn part_equal_points(&mut self, mesh: &SurfaceMesh) {
+        self.part_from_pins(mesh, Leg::part_equal_points);
+    }
+
+    /// Changes every leg by `part`, which takes the mesh and whether the leg is a closed line without pins, and parts
+    /// the leg's first and last crossing from the pins.
+    fn part_from_pins(&mut self, mesh: &SurfaceMesh, part: impl Fn(&mut Leg, &SurfaceMesh, bool)) {
         let is_ring = self.pins.is_empty();
         let pins = self.pins.iter().map(|pin| Some(mesh.position_of(pin))).collect::<Vec<_>>();
         let pin_at = |i: usize| if is_ring { None } else { pins[i % pins.len()] };
         for (i, leg) in self.legs.iter_mut().enumerate() {
             leg.part_from(mesh, pin_at(i), 0);
-            leg.snap_to_vertices(mesh, is_ring);
+            part(leg, mesh, is_ring);
             leg.part_from(mesh, pin_at(i + 1), leg.word.len().saturating_sub(1));
         }
-    }
-
-    /// Parts crossings that have the same point, for a line that is not smoothed and so not snapped.
-    pub fn part_equal_points(&mut self, mesh: &SurfaceMesh) {
-        let is_ring = self.pins.is_empty();
-        self.legs.iter_mut().for_each(|leg| leg.part_equal_points(mesh, is_ring));
     }
 
     /// Whether the line runs through a mesh vertex between its pins.

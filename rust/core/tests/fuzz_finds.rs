@@ -39,6 +39,14 @@ fn find_3_fair_on_needles_settles_late() {
     judge_line(&bytes("f8f882f882dbdb05dbdb030303030303dbff0000b70000002b00db00dbdbdbdbdbdbdbdbdbdbdbdbdbdb5b"));
 }
 
+/// A pin at the place of the first crossing, in a triangle without area, on a line that is not smoothed.
+#[test]
+fn find_4_a_pin_on_the_first_crossing() {
+    judge_line(&bytes(
+        "21404040406025dffffff62b4e7e100000ff00002400bdb70045ffffb96025ff3cffffffffffffef41ffffffff8b8b",
+    ));
+}
+
 /// Any short input means something to each target.
 #[test]
 fn nothing_and_little_are_judged() {
