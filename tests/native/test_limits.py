@@ -24,14 +24,15 @@ def fine():
 
 def long_calls(mesh, picks):
     """Calls that take far longer than a second, by name, each with room for limits."""
-    points = np.random.default_rng(3).normal(size=(3000, 3))
+    points = np.random.default_rng(3).normal(size=(12000, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
     pairs = [(i, j) for i in range(60) for j in range(i)]
     slow = {"filter": "cubic", "threshold": 1e-14, "pinned": "all", "max_iterations": 10**6}
     return {
         "polyline": lambda **limits: mesh.polyline(picks, **slow, **limits),
         "heap": lambda **limits: mesh.polyline(picks, filter="linear", solver="heap", threshold=1e-15, **limits),
-        "stroke": lambda **limits: mesh.stroke(points, filter="geodesic", pinned="all", **limits),
+        "stroke": lambda **limits: mesh.stroke(points[:3000], filter="geodesic", pinned="all", **limits),
+        # Ends while it is joined: with millions of samples a round of `fair` takes seconds, and nothing ends it.
         "fair stroke": lambda **limits: mesh.stroke(points, filter="fair", detail_size=1e-4, **limits),
         "fair": lambda **limits: mesh.polyline(picks * 20, filter="fair", pinned="ends", detail_size=1e-5, **limits),
         "network": lambda **limits: mesh.network(picks, pairs, **slow, **limits),
