@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+import meshes
 import smooth_polylines as sp
 from smooth_polylines import __main__ as command
 from smooth_polylines import line_files, mesh_files
@@ -41,7 +42,7 @@ def test_as_in_the_readme(mesh_file, tmp_path):
         [sys.executable, "-m", "smooth_polylines", *map(str, words)], capture_output=True, text=True, timeout=60
     )
     assert done.returncode == 0, done.stderr
-    assert "64 faces, read by meshio" in done.stdout
+    assert "64 faces, read by smooth_polylines" in done.stdout
     assert "converged" in done.stdout
     rows = (tmp_path / "line.obj").read_text().splitlines()
     points = np.array([[float(w) for w in row.split()[1:]] for row in rows[:-1]])
@@ -82,6 +83,35 @@ def test_other_formats(tmp_path, suffix):
     np.testing.assert_allclose(read.positions[read.triangles].sum(), ball.triangles.sum(), atol=1e-3)
 
 
+def test_obj_with_uv_seams_negative_numbers_and_continued_rows(tmp_path):
+    path = tmp_path / "seams.OBJ"
+    path.write_text(
+        "# comment\nmtllib x.mtl\nv 0 0 0 1.0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt .5 .5\n"
+        "vn 0 0 1\nf 1/1/1 2/2/1 3/3/1\nf -4//1 -2//1 \\\n -1//1 # the other half\n"
+    )
+    read = mesh_files.read_mesh(path)
+    assert read.positions.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    assert read.triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert read.triangle_faces.tolist() == [0, 1]
+
+
+def test_real_obj_with_uv_seams_is_one_part():
+    path = meshes.find_mesh_folder() / "spot.obj"
+    if not path.is_file():
+        pytest.skip(f"no test meshes in {path.parent}")
+    read = mesh_files.read_mesh(path)
+    report = sp.SurfaceMesh(read.positions, read.triangles, read.triangle_faces).report
+    assert (report.vertices, report.triangles, report.parts) == (2930, 5856, 1)
+
+
+@pytest.mark.parametrize("row", ["v 1 2", "v a b c", "f 1 0 2", "f 1 x 2", "f -9 1 2"])
+def test_rows_that_are_none_are_named(tmp_path, row):
+    path = tmp_path / "bad.obj"
+    path.write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{row}\n")
+    with pytest.raises(mesh_files.MeshFileError, match="its row 4 is no vertex or face"):
+        mesh_files.read_mesh(path)
+
+
 REFUSALS = {
     "no file": (["{folder}/none.obj", "--picks", "0,1"], 2, "there is no such file"),
     "no mesh": (["{folder}/words.obj", "--picks", "0,1"], 2, "no faces in it"),
@@ -110,10 +140,12 @@ def test_refusals(mesh_file, tmp_path, capsys, name):
     assert "Traceback" not in told
 
 
-def test_without_readers_it_says_what_to_install(mesh_file, capsys, monkeypatch):
+def test_without_readers_it_says_what_to_install(tmp_path, capsys, monkeypatch):
+    path = tmp_path / "grid.ply"
+    path.write_text("ply\n")
     for name in ("meshio", "trimesh"):
         monkeypatch.setitem(sys.modules, name, None)
-    assert command.main([str(mesh_file), "--picks", "0,1"]) == 2
+    assert command.main([str(path), "--picks", "0,1"]) == 2
     assert "pip install 'smooth-polylines[formats]'" in capsys.readouterr().err
 
 

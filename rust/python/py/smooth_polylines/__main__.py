@@ -29,7 +29,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         prog="python -m smooth_polylines", description="A smooth line through picked faces of a mesh file."
     )
     parser.add_argument(
-        "mesh", type=Path, metavar="MESH", help="what meshio or trimesh can read: .obj .ply .stl .off ..."
+        "mesh", type=Path, metavar="MESH", help=".obj, or what meshio or trimesh can read: .ply .stl .off ..."
     )
     parser.add_argument("--picks", type=read_picks, required=True, help="numbers of faces in order, from 0: 12,845,99")
     parser.add_argument("--filter", choices=("linear", "cubic", "geodesic", "fair", "none"), default="linear")

@@ -1,6 +1,8 @@
 """Reads mesh files through meshio, or trimesh where meshio cannot: `pip install 'smooth-polylines[formats]'`.
 
-Only for the command and for quick trials: the library itself takes arrays. Knows no lines.
+Wavefront .obj it reads itself: meshio refuses files with more texture coordinates than vertices, as most with UV seams
+have, and trimesh tears the mesh apart along those seams. Only for the command and for quick trials: the library itself
+takes arrays. Knows no lines.
 """
 
 from dataclasses import dataclass
@@ -44,6 +46,8 @@ def read_mesh(path: Path) -> ReadMesh:
     """
     if not path.is_file():
         raise MeshFileError("there is no such file")
+    if path.suffix.lower() == ".obj":
+        return read_obj(path)
     faults = []
     for reader in (read_by_meshio, read_by_trimesh):
         try:
@@ -53,6 +57,32 @@ def read_mesh(path: Path) -> ReadMesh:
         except MeshFileError as error:
             faults.append(str(error))
     raise MeshFileError("; ".join(faults))
+
+
+def read_obj(path: Path) -> ReadMesh:
+    """The vertices and faces of a Wavefront file, by its own numbers; all else in it is passed over."""
+    positions: list[list[float]] = []
+    faces: list[list[int]] = []
+    text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
+    for number, row in enumerate(text.splitlines(), start=1):
+        kind, *words = row.split("#")[0].split() or [""]
+        try:
+            if kind == "v":
+                x, y, z = map(float, words[:3])
+                positions.append([x, y, z])
+            elif kind == "f":
+                faces.append([find_corner(int(word.split("/")[0]), len(positions)) for word in words])
+        except ValueError as error:
+            found = " ".join(row.split())[:60]
+            raise MeshFileError(f"its row {number} is no vertex or face of a Wavefront file: {found!r}") from error
+    return cut_into_fans(np.array(positions, dtype=np.float64).reshape(-1, 3), faces, "smooth_polylines")
+
+
+def find_corner(number: int, count: int) -> int:
+    """The place of a vertex that counts from 1, or backwards from the last of `count` before it."""
+    if number == 0 or number < -count:
+        raise ValueError(number)
+    return number - 1 if number > 0 else count + number
 
 
 def read_by_meshio(path: Path) -> ReadMesh:
