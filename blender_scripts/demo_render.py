@@ -78,7 +78,8 @@ def measure_ball(mesh_object: bpy.types.Object) -> tuple[Vector, float]:
 def make_material(name: str, colour: tuple[float, float, float], *, draws_edges: bool = False) -> bpy.types.Material:
     """A plain material; with `draws_edges` the triangles' edges show as fine darker lines."""
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    if material.node_tree is None:  # since Blender 5.0 it is always there, and the switch is deprecated
+        material.use_nodes = True
     material.diffuse_color = (*colour, 1)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     colours = nodes.new("ShaderNodeMixRGB")

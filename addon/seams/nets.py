@@ -166,7 +166,8 @@ def write_outputs(mesh_object: bpy.types.Object, face_patches: np.ndarray, count
         for number, colour in enumerate(colours):
             material = bpy.data.materials.new(f"Patch {number + 1}")
             material.diffuse_color = (*colour, 1.0)
-            material.use_nodes = True
+            if material.node_tree is None:  # since Blender 5.0 it is always there, and the switch is deprecated
+                material.use_nodes = True
             shader = next((node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"), None)
             if shader is not None:
                 shader.inputs["Base Color"].default_value = (*colour, 1.0)

@@ -42,7 +42,8 @@ def stage(scene):
 
 def make_material(name, strength, mesh):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    if material.node_tree is None:  # since Blender 5.0 it is always there, and the switch is deprecated
+        material.use_nodes = True
     nodes = material.node_tree.nodes
     nodes.clear()
     emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
