@@ -157,12 +157,18 @@ def count_records(folder):
 
 
 def hash_tree(folder):
-    """Each file under `folder`, but for what runs keep for themselves, and a checksum of its bytes."""
+    """Each file under `folder`, but for what runs keep for themselves, and a checksum of its bytes.
+
+    Of .blend files made from .stl only that they are there: they are not always repeatable yet (docs/batch.md).
+    """
     found = {}
     for where, names, files in os.walk(folder):
         if ".batch" in names:
             names.remove(".batch")
         for name in files:
             path = Path(where, name)
-            found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+            content = path.read_bytes()
+            if name == "result.blend" and ".stl" in path.parent.name.lower():
+                content = bytes([len(content) > 0])
+            found[path.relative_to(folder).as_posix()] = hashlib.sha256(content).hexdigest()
     return found
