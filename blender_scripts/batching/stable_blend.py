@@ -24,6 +24,9 @@ from .blend_layout import (
 FIRST_NUMBER = 1 << 40
 NUMBER_STEP = 16
 TEXT_PROPERTY = 0  # IDP_STRING
+# What of a data-block is still to be evaluated: on opening a file Blender evaluates all of it. Importers tag the window
+# manager, and whether a tag is still there depends on what the process did before.
+PENDING_UPDATES = ("recalc", "recalc_up_to_undo_push", "recalc_after_undo_push")
 # Kinds of mesh attributes with one byte an element: CD_PROP_INT8 and CD_PROP_BOOL.
 BYTE_LAYERS = (45, 50)
 
@@ -150,6 +153,7 @@ def clear_session(data: np.ndarray, blocks: list[Block], layouts: StructLayouts)
     inner = layouts.find("ID")
     counter = layouts.offset(inner, "session_uid" if layouts.has(inner, "session_uid") else "session_uuid")
     cleared = [(counter, 4)]
+    cleared += [(layouts.offset(inner, field), 4) for field in PENDING_UPDATES if layouts.has(inner, field)]
     if layouts.has(inner, "runtime"):
         cleared.append((layouts.offset(inner, "runtime"), layouts.size(layouts.find("ID_Runtime"))))
     for block in blocks:

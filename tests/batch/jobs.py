@@ -147,6 +147,16 @@ def run_batch(*arguments, **options):
     return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=SECONDS, **options)
 
 
+def run_maker(*arguments):
+    """What `make_scenes.py` tells, one object a line."""
+    maker = Path(__file__).with_name("make_scenes.py")
+    done = subprocess.run(
+        [sys.executable, str(maker), *map(str, arguments)], capture_output=True, text=True, timeout=SECONDS
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return [json.loads(line.removeprefix("RESULT ")) for line in done.stdout.splitlines() if line.startswith("RESULT ")]
+
+
 def read_report(folder, name="report.jsonl"):
     return [json.loads(line) for line in (folder / name).read_text(encoding="utf-8").splitlines()]
 
@@ -157,18 +167,12 @@ def count_records(folder):
 
 
 def hash_tree(folder):
-    """Each file under `folder`, but for what runs keep for themselves, and a checksum of its bytes.
-
-    Of .blend files made from .stl only that they are there: they are not always repeatable yet (docs/batch.md).
-    """
+    """Each file under `folder`, but for what runs keep for themselves, and a checksum of its bytes."""
     found = {}
     for where, names, files in os.walk(folder):
         if ".batch" in names:
             names.remove(".batch")
         for name in files:
             path = Path(where, name)
-            content = path.read_bytes()
-            if name == "result.blend" and ".stl" in path.parent.name.lower():
-                content = bytes([len(content) > 0])
-            found[path.relative_to(folder).as_posix()] = hashlib.sha256(content).hexdigest()
+            found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
     return found
