@@ -9,7 +9,8 @@ import sys
 import threading
 from pathlib import Path
 
-from . import input_check, job_file, plan, report, run, run_lock, store
+from . import job_file, plan, report, run, run_lock, store
+from .check_run import check
 from .errors import JobError
 from .local_pool import LocalPool
 from .progress import Progress
@@ -51,7 +52,10 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         prog="batch.py", description="Smooth lines on the meshes of many files, as a job describes them."
     )
     parser.add_argument("job", nargs="?", type=Path, metavar="JOB.json", help="the job")
-    parser.add_argument("--check", action="store_true", help="check the job and look at its inputs; make nothing")
+    parser.add_argument("--check", action="store_true", help="check the job, and its inputs in Blender; make nothing")
+    parser.add_argument(
+        "--check-names", action="store_true", help="the same without opening the inputs: quick, and without Blender"
+    )
     parser.add_argument("--example", action="store_true", help="print a job to begin with")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of a job")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="worker processes on this machine (1)")
@@ -78,8 +82,8 @@ def run_job(options: argparse.Namespace, blender: str | None, open_file: str | N
     job = job_file.load_job(options.job)
     shard = plan.Shard.parse(options.shard)
     items = shard.choose(plan.make_plan(job, open_file))
-    if options.check:
-        return check(job, items)
+    if options.check or options.check_names:
+        return check(options, job, items, blender)
     if job.output.exists() and not job.output.is_dir():
         raise JobError(f"{options.job.name}: outputs.folder: {job.output} is a file")
     if options.report:
@@ -115,7 +119,8 @@ def run_with_lock(
             )
         else:
             label = f"{shard.number}-of-{shard.count}"
-            workforce = LocalPool(job, find_worker_command(blender), options.jobs, label, options.profile)
+            logs = job.output / store.STATE_FOLDER / "logs"
+            workforce = LocalPool(job, find_worker_command(blender), options.jobs, label, options.profile, logs=logs)
             what = f"in {options.jobs} processes" if options.jobs > 1 else "in one process"
         progress = Progress(len(state.to_do), len(state.notes), is_quiet=options.quiet)
         try:
@@ -158,22 +163,6 @@ def all_notes(job: job_file.Job, state: run.State) -> dict:
     kept = store.read_journals(job.output)
     wanted = {item.result for item in state.items}
     return {r: n for r, n in kept.items() if r in wanted and n["fingerprint"] == job.fingerprint and not n["saved"]}
-
-
-def check(job: job_file.Job, items: list[plan.Item]) -> int:
-    """Look at each input from outside; one line for each that will not do."""
-    bad = 0
-    for item in items:
-        fault = input_check.find_fault(item)
-        if fault is not None:
-            bad += 1
-            print(f"{item.name}: {fault[0]}: {fault[1]}")
-    values = job.values
-    print(
-        f"{job.path.name} is a good job: {len(items)} files ({bad} of them will fail), {len(values['lines'])} lines, "
-        f"{len(values['nets'])} nets, into {job.output}"
-    )
-    return SOME_FAILED if bad else ALL_DONE
 
 
 def leave(code: int) -> None:

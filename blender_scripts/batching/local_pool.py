@@ -3,22 +3,33 @@
 import queue
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from .errors import StopRun
 from .job_file import Job
 from .outcome import make_failure, process_item
 from .plan import Item
-from .store import STATE_FOLDER
 from .worker_process import WorkerProcess, WorkerStartError
 
 
 class LocalPool:
     """As many workers as asked for, each a process with one file's mesh in it at a time."""
 
-    def __init__(self, job: Job, command: list[str], count: int, label: str, profile: str | None) -> None:
-        logs = job.output / STATE_FOLDER / "logs"
+    def __init__(
+        self,
+        job: Job,
+        command: list[str],
+        count: int,
+        label: str,
+        profile: str | None,
+        *,
+        logs: Path,
+        is_check: bool = False,
+    ) -> None:
+        """`logs`: the folder for what Blender prints; `is_check`: files are only looked at."""
         self._limits = job.values["limits"]
+        self._is_check = is_check
         self._workers = [
             WorkerProcess(command, {**job.setup, "profile": profile}, logs / f"worker-{label}-{k + 1}.log")
             for k in range(count)
@@ -62,7 +73,7 @@ class LocalPool:
                 except queue.Empty:
                     break
                 try:
-                    outcome = process_item(worker, item, self._limits)
+                    outcome = process_item(worker, item, self._limits, is_check=self._is_check)
                 except WorkerStartError as error:
                     done.put(error)
                     break

@@ -59,17 +59,20 @@ def make_failure(item: Item, error: str, message: str) -> dict[str, Any]:
     }
 
 
-def process_item(worker: WorkerProcess, item: Item, limits: dict[str, Any]) -> dict[str, Any]:
-    """Have `worker` do one file; its outcome, also when Blender crashes on it or takes too long."""
+def process_item(
+    worker: WorkerProcess, item: Item, limits: dict[str, Any], *, is_check: bool = False
+) -> dict[str, Any]:
+    """Have `worker` do one file, or only check it; its outcome, also when Blender crashes on it or takes too long."""
     if worker.files >= limits["files_a_process"]:
         worker.close()  # a fresh Blender now and then: what one leaks does not add up over nights
-    request = {"input": item.input, "name": item.name, "result": item.result}
+    request = {"input": item.input, "name": item.name, "result": item.result, "is_check": is_check}
     answer: dict[str, Any] | WorkerDied
     for _ in range(limits["attempts"]):
         answer = worker.ask(request, limits["seconds"])
         if not isinstance(answer, WorkerDied):
             return answer
-        remove_parts_of(worker.output, item.result, worker.token)
+        if not is_check:
+            remove_parts_of(worker.output, item.result, worker.token)
         if answer.error == "TimeLimitError":
             break
     return make_failure(item, answer.error, answer.message)

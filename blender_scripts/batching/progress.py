@@ -12,7 +12,11 @@ REDRAW_SECONDS = 0.1
 class Progress:
     """Counts files; writes to the standard error, which leaves the standard output to the summary."""
 
-    def __init__(self, total: int, done_before: int, *, is_quiet: bool = False) -> None:
+    def __init__(
+        self, total: int, done_before: int, *, is_quiet: bool = False, words: tuple[str, str] = ("to do", "done")
+    ) -> None:
+        """`words`: what is before the files, and what is behind each."""
+        self._to_do, self._done = words
         self.total = total
         self.finished = 0
         self.failed = 0
@@ -25,14 +29,14 @@ class Progress:
     def begin(self, what: str) -> None:
         """Say what is about to be done."""
         before = f", {self._done_before} were done before" if self._done_before else ""
-        self._print(f"{self.total} files to do{before}; {what}")
+        self._print(f"{self.total} files {self._to_do}{before}; {what}")
 
     def add(self, name: str, entries: list[dict[str, Any]], seconds: float) -> None:
         """One more file is done."""
         failures = [entry for entry in entries if entry["status"] == "failed"]
         self.finished += 1
         self.failed += bool(failures)
-        word = "FAILED" if failures else "done"
+        word = "FAILED" if failures else self._done
         if failures or not self._is_terminal:
             count = f"{self.finished}/{self.total}"
             left = "" if self._is_terminal else f", {self.tell_time_left()} left"

@@ -6,6 +6,14 @@ from batch import jobs
 
 
 @pytest.fixture(scope="session")
+def scenes(tmp_path_factory):
+    """A folder with the plane of `make_scenes.py` in every format."""
+    folder = tmp_path_factory.mktemp("scenes")
+    jobs.run_maker("write", folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory):
     """A folder with good and broken inputs, and what one run that nobody disturbed made of them."""
     folder = tmp_path_factory.mktemp("undisturbed")

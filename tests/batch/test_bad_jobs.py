@@ -172,11 +172,12 @@ def test_example_and_schema_are_printed_and_good(capsys):
     assert schema_check.list_faults(example, schema) == []
 
 
-def test_check_looks_at_inputs_and_makes_nothing(tmp_path, capsys):
+def test_check_of_names_looks_at_inputs_from_outside_and_makes_nothing(tmp_path, capsys, monkeypatch):
+    monkeypatch.delattr("batching.worker_process.WorkerProcess.start")  # opens nothing
     jobs.write_inputs(tmp_path / "in", 3)
     errors = jobs.write_broken(tmp_path / "in")
     jobs.write_job(tmp_path / "job.json")
-    assert command_line.main([str(tmp_path / "job.json"), "--check"]) == 1
+    assert command_line.main([str(tmp_path / "job.json"), "--check-names"]) == 1
     told = capsys.readouterr().out
     seen_from_outside = ["empty.ply", "words.ply", "cut.stl", "zeros.obj"]
     assert "is a good job: 13 files (4 of them will fail), 2 lines, 0 nets" in told

@@ -2,34 +2,15 @@
 
 import csv
 import json
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from batch import jobs, pictures
 
-MAKER = Path(__file__).with_name("make_scenes.py")
 FORMATS = ("obj", "ply", "stl", "fbx", "glb", "gltf", "usda", "usdc", "usd")
-
-
-def run_maker(*arguments):
-    done = subprocess.run(
-        [sys.executable, str(MAKER), *map(str, arguments)], capture_output=True, text=True, timeout=jobs.SECONDS
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return [json.loads(line.removeprefix("RESULT ")) for line in done.stdout.splitlines() if line.startswith("RESULT ")]
-
-
-@pytest.fixture(scope="module")
-def scenes(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("scenes")
-    run_maker("write", folder)
-    return folder
 
 
 def straight(name, *picks, **more):
@@ -207,7 +188,7 @@ def test_csv_and_npz_say_what_json_says(plane):
 
 def test_blend_file_holds_the_curves_as_asked_for(plane):
     results, lines, _, _ = plane
-    (told,) = run_maker("look", results / "result.blend")
+    (told,) = jobs.run_maker("look", results / "result.blend")
     assert set(told["curves"]) == {line["curve"] for line in lines.values()}
     assert "Hacked" not in told["objects"]
     assert {"Plane", "Moved", "Hidden", "Bare", "Poly", "Pencil"} <= set(told["objects"])
@@ -347,7 +328,7 @@ def test_seams_and_unwrap(scenes, method):
     assert (line["line"], line["status"], seams["status"]) == ("across", "done", "done")
     assert seams["islands"] == 2
     assert seams["flipped"] == 0
-    (told,) = run_maker("look", scenes / f"out {method}" / "scene.blend" / "result.blend")
+    (told,) = jobs.run_maker("look", scenes / f"out {method}" / "scene.blend" / "result.blend")
     mesh = told["meshes"]["Plane"]
     assert len(mesh["seams"]) == seams["edges"]
     assert mesh["vertices"] == 21 * 21 + seams["new_vertices"]

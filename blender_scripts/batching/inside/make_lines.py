@@ -53,7 +53,7 @@ class LineMaker:
         self._unwrap = get_module(package, "seams.unwrap")
         self._library = get_module(package, "native").load_library()
         self._errors = get_module(package, "errors")
-        self._job = job
+        self.job = job
         self._item_name = item_name
         self._source = job["source"].upper()
         self.made: list[MadeLine] = []
@@ -68,7 +68,7 @@ class LineMaker:
                 self._try(mesh_object, line["name"], lambda line=line: self._make_along(mesh_object, line))
         for net in nets:
             self._try(mesh_object, net["name"], lambda net=net: self._make_net(mesh_object, net))
-        if "seams" in self._job["make"]:
+        if "seams" in self.job["make"]:
             self._try(mesh_object, None, lambda: self._make_seams(mesh_object))
 
     def _make_seams(self, mesh_object: bpy.types.Object) -> None:
@@ -76,7 +76,7 @@ class LineMaker:
         lines = [made.computed.line for made in self.made if made.mesh_object == mesh_object]
         if not lines:
             return
-        seams = self._job["make"]["seams"]
+        seams = self.job["make"]["seams"]
         done = self._put.put_lines_into_mesh(
             bpy.context,
             mesh_object,
@@ -95,7 +95,7 @@ class LineMaker:
             "moved": len(done.moved),
             "not_moved": len(done.not_moved),
         }
-        unwrap = self._job["make"].get("unwrap")
+        unwrap = self.job["make"].get("unwrap")
         if unwrap is not None:
             method = unwrap.get("method", "angle_based").upper()
             islands = self._unwrap.unwrap_and_measure(bpy.context, mesh_object, method=method, write=False).islands
@@ -123,7 +123,7 @@ class LineMaker:
         )
 
     def _curves(self) -> dict[str, Any]:
-        return self._job["make"].get("curves", {})
+        return self.job["make"].get("curves", {})
 
     def _find_picks(self, mesh_object: bpy.types.Object, picks: list[Any]) -> tuple[list[Any], list[bool] | None]:
         finder = PickFinder(
@@ -132,7 +132,7 @@ class LineMaker:
             mesh_object,
             self._source,
             self._open(mesh_object),
-            self._job["search_radius"],
+            self.job["search_radius"],
         )
         return finder.find_all(picks)
 
@@ -167,7 +167,7 @@ class LineMaker:
         options = {name: line[name] for name in OPTION_NAMES}
         opened = self._open(mesh_object)
         finder = PickFinder(
-            self._library, self._mesh_read, mesh_object, self._source, opened, self._job["search_radius"]
+            self._library, self._mesh_read, mesh_object, self._source, opened, self.job["search_radius"]
         )
         radius = finder.choose_radius(line["along"].get("radius"))
         for number, (points, is_closed) in enumerate(strokes):
@@ -236,7 +236,7 @@ class LineMaker:
     def _keep(self, mesh_object: bpy.types.Object, name: str, computed: Any, options: dict[str, Any]) -> None:
         """Make the curve object where the job wants one, and the entry."""
         curve_object = None
-        if "curves" in self._job["make"]:
+        if "curves" in self.job["make"]:
             added = self._session.add_computed_polyline(
                 bpy.context, mesh_object, computed, name=name, source=self._source, **self._curves(), **options
             )

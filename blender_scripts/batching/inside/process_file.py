@@ -17,6 +17,7 @@ from batching.plan import Item
 
 from . import choose_objects, open_input, write_arrays, write_blend, write_picture, write_uv_layout
 from .addon_door import get_module
+from .check_lines import LineChecker
 from .fault import FileFault
 from .make_lines import LineMaker, MadeLine
 
@@ -35,11 +36,14 @@ class FileProcessor:
         self._fingerprint = setup["fingerprint"]
         self._token = setup["token"]
 
-    def process(self, item: Item) -> dict[str, Any]:
-        """The outcome of one file."""
+    def process(self, item: Item, *, is_check: bool = False) -> dict[str, Any]:
+        """The outcome of one file.
+
+        is_check : only look whether it will do: make nothing; the entries are what is wrong
+        """
         clock = Clock()
         try:
-            entries, is_saved = self._process(item, clock)
+            entries, is_saved = (self._check if is_check else self._process)(item, clock)
         except FileFault as fault:
             entries, is_saved = [make_entry(item.name, fault.error, str(fault))], False
         except OSError as error:
@@ -73,16 +77,24 @@ class FileProcessor:
             return make_entry(item.name, "DiskFullError", text)
         return make_entry(item.name, "OutputError", f"{text}; see to it that the results' folder can be written")
 
-    def _process(self, item: Item, clock: "Clock") -> tuple[list[dict[str, Any]], bool]:
+    def _check(self, item: Item, clock: "Clock") -> tuple[list[dict[str, Any]], bool]:
+        self._open(item, clock)
+        with clock.measure("lines"):
+            return self._make_lines(item, LineChecker).entries, False
+
+    def _open(self, item: Item, clock: "Clock") -> None:
         fault = input_check.find_fault(item)
         if fault is not None:
             raise FileFault(*fault)
-        with clock.measure("reading"):
-            size, digest = store.hash_file(item.input)
         with clock.measure("opening"):
             open_input.open_input(item.input, self._job["import"])
+
+    def _process(self, item: Item, clock: "Clock") -> tuple[list[dict[str, Any]], bool]:
+        self._open(item, clock)
+        with clock.measure("reading"):
+            size, digest = store.hash_file(item.input)
         with clock.measure("lines"):
-            maker = self._make_lines(item)
+            maker = self._make_lines(item, LineMaker)
         if not maker.made:
             return maker.entries, False
         record = {
@@ -103,11 +115,11 @@ class FileProcessor:
             raise
         return entries, True
 
-    def _make_lines(self, item: Item) -> LineMaker:
+    def _make_lines(self, item: Item, kind_of_maker: type[LineMaker]) -> LineMaker:
         """All lines and nets on all objects that they are for, object by object: one mesh is opened at a time."""
-        job = self._job
         meshes = choose_objects.list_meshes()
-        maker = LineMaker(self._package, job, item.name)
+        maker = kind_of_maker(self._package, self._job, item.name)
+        job = maker.job
         wanted: dict[str, tuple[list[dict], list[dict]]] = {o.name: ([], []) for o in meshes}
         for kind, lines in enumerate((job["lines"], job["nets"])):
             for line in lines:

@@ -54,7 +54,8 @@ def main() -> int:
     while True:
         request = requests.get()
         print(f"--- {request['name']}".encode("utf-8", "backslashreplace").decode("utf-8"), flush=True)
-        answer(processor.process(Item(index=0, **request)))
+        is_check = request.pop("is_check")
+        answer(processor.process(Item(index=0, **request), is_check=is_check))
 
 
 def read_requests(requests: "queue.SimpleQueue[dict]") -> None:
