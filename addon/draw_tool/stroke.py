@@ -5,7 +5,7 @@ Arrays in, numbers out; no Blender in here, and no surface but the line that a c
 """
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -15,20 +15,26 @@ FIRST_TOLERANCES = 6.0
 MOST_ROUNDS = 12
 # A leg that is longer than this many times its stretch of the stroke has taken another way round.
 LONGEST_LEG = 1.5
+# Places and pieces whose distances are measured at once.
+MOST_PAIRS = 1_000_000
 
 
 def fit_picks(
-    places: np.ndarray, tolerances: np.ndarray, make_line: Callable[[list[int]], tuple[np.ndarray, np.ndarray]]
+    places: np.ndarray,
+    tolerances: np.ndarray,
+    make_line: Callable[[list[int]], tuple[np.ndarray, np.ndarray]],
+    start: Sequence[int] = (),
 ) -> list[int]:
     """Which of the samples of a stroke become picks: rising, the first and the last among them.
 
     places : (N, 3) the samples, in order
     tolerances : (N,) how far the line may pass from each, in the same unit
     make_line : for chosen samples the points of the line through them, (M, 3), and for each chosen sample its row there
+    start : samples that are chosen in any case
 
     Where the line leaves the stroke its farthest sample is chosen too, leg by leg, until it keeps to it.
     """
-    chosen = simplify(places, FIRST_TOLERANCES * tolerances)
+    chosen = sorted({*simplify(places, FIRST_TOLERANCES * tolerances), *start})
     for _ in range(MOST_ROUNDS):
         points, rows = make_line(chosen)
         more = []
@@ -77,7 +83,9 @@ def measure_distances(places: np.ndarray, chain: np.ndarray) -> np.ndarray:
     """Distance of each place, (N, 3), to a chain of straight pieces, (M, 3)."""
     if len(chain) == 1:
         return np.linalg.norm(places - chain[0], axis=1)
-    return measure_piece_distances(places, chain).min(axis=1)
+    # In parts, because a long line has as many pieces as would fill the memory.
+    parts = np.array_split(places, max(1, len(places) * len(chain) // MOST_PAIRS))
+    return np.concatenate([measure_piece_distances(part, chain).min(axis=1) for part in parts])
 
 
 def measure_piece_distances(places: np.ndarray, chain: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@
 Holds no assertions.
 """
 
+import itertools
 import json
 import os
 import sys
@@ -17,6 +18,7 @@ os.environ["BLENDER_USER_RESOURCES"] = tempfile.mkdtemp()
 import bpy
 
 import addon_utils
+import mathutils
 
 SIDE = 20  # quads a side; the plane covers 0..1 in x and y, its face `row * SIDE + column` at that place
 
@@ -138,7 +140,38 @@ def write(folder):
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"), compress=False)
 
 
-def look(path):
+def edit_on(package, curve):
+    """What a curve remembers, and how far it moves when it is made again by it: nothing, and by another filter."""
+    session, memory = (sys.modules[f"{package}.{name}"] for name in ("session", "live.memory"))
+    if not memory.is_remembering(curve.data):
+        return None
+    known = memory.get_memory(curve.data)
+    before = read_places(curve)
+    session.update_curve(bpy.context, curve.data)
+    again = read_places(curve)
+    picks = len(json.loads(known.stored)["picks"])
+    said = {"state": known.state, "pinned": known.pinned, "filter": known.filter, "picks": picks}
+    return {**said, "moved": measure_gap(before, again, curve.data.splines[0].use_cyclic_u)}
+
+
+def read_places(curve):
+    return [mathutils.Vector(p.co[:3]) for p in curve.data.splines[0].points]
+
+
+def measure_gap(places, chain, is_closed):
+    """The largest distance of a place from a chain of straight pieces."""
+    chain = [*chain, chain[0]] if is_closed else chain
+    largest = 0.0
+    for place in places:
+        near = []
+        for a, b in itertools.pairwise(chain):
+            at, part = mathutils.geometry.intersect_point_line(place, a, b)
+            near.append((place - (a if part < 0 else b if part > 1 else at)).length)
+        largest = max(largest, min(near))
+    return largest
+
+
+def look(package, path):
     bpy.ops.wm.open_mainfile(filepath=path)
     curves = {}
     for each in bpy.data.objects:
@@ -150,6 +183,7 @@ def look(path):
                 "closed": spline.use_cyclic_u,
                 "bevel": each.data.bevel_depth,
             }
+            curves[each.name]["memory"] = edit_on(package, each)
     meshes = {}
     for each in bpy.data.objects:
         if each.type == "MESH":
@@ -164,7 +198,11 @@ if __name__ == "__main__":
     if sys.argv[1] == "write":
         write(Path(sys.argv[2]))
     else:
+        sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "blender_scripts"))
+        from batching.inside import addon_door
+
+        name = addon_door.load_addon(is_installed=False)
         for each in sys.argv[2:]:
-            look(each)
+            look(name, each)
     sys.stdout.flush()
     os._exit(0)

@@ -202,6 +202,23 @@ def test_blend_file_holds_the_curves_as_asked_for(plane):
         np.testing.assert_allclose(points[:, 2], 0.25, atol=1e-6)
 
 
+def test_curves_can_be_edited_on_also_those_along_guides(plane):
+    results, lines, _, _ = plane
+    (told,) = jobs.run_maker("look", results / "result.blend")
+    for name, line in lines.items():
+        known = told["curves"][line["curve"]]["memory"]
+        assert known is not None, name
+        assert known["state"] == "CURRENT"
+        assert known["filter"] == line["settings"]["filter"].upper()
+        is_guided = name in {"poly", "pencil", "bezier"} or name.startswith("strokes.")
+        # Made again from its picks the line is where it was; along a guide within a thousandth of the plane's diagonal.
+        assert known["moved"] < (1.5e-3 if is_guided else 1e-5), name
+        if is_guided:
+            assert known["pinned"] == "ALL"
+            assert (3 if line["closed"] else 2) <= known["picks"] <= 20, name
+            assert line["settings"]["pinned"] == "ends", name
+
+
 def test_uv_layout_shows_borders_and_lines_where_they_are(plane):
     results, _, _, _ = plane
     root = ET.fromstring((results / "uv-Plane.svg").read_text(encoding="utf-8"))

@@ -31,7 +31,7 @@ class LineChecker(LineMaker):
         if (lines or nets) and needs_map:
             self._try(mesh_object, None, lambda: self._check_uv_map(mesh_object))
 
-    def _keep(self, mesh_object: bpy.types.Object, name: str, computed: Any, options: dict[str, Any]) -> None:
+    def _keep(self, *_: Any, **_options: Any) -> None:
         """Nothing is kept."""
 
     def _tell_patches(self, mesh_object: bpy.types.Object, name: str, made: Any) -> None:
@@ -52,9 +52,10 @@ class LineChecker(LineMaker):
 
 
 def leave_out_smoothing(job: dict[str, Any]) -> dict[str, Any]:
-    """The job with lines that only lead from pick to pick."""
+    """The job with lines that only lead from pick to pick, and become no curves."""
     return {
         **job,
+        "make": {key: value for key, value in job["make"].items() if key != "curves"},
         "lines": [{**line, **UNSMOOTHED, **{k: line[k] for k in KEPT_OPTIONS}} for line in job["lines"]],
         "nets": [
             {**net, **UNSMOOTHED, **{k: net[k] for k in KEPT_OPTIONS}, "avoid_crossings": False} for net in job["nets"]

@@ -49,6 +49,7 @@ class LineMaker:
         self._session = get_module(package, "session")
         self._surface = get_module(package, "surface")
         self._mesh_read = get_module(package, "mesh_read")
+        self._line_picks = get_module(package, "line_picks")
         self._put = get_module(package, "seams.put")
         self._unwrap = get_module(package, "seams.unwrap")
         self._library = get_module(package, "native").load_library()
@@ -191,9 +192,14 @@ class LineMaker:
                 f"point {farthest} of the guide is {distances[farthest]:.6g} away from the surface, more than the "
                 f"search radius {radius:.6g}",
             )
-        line = opened.library_mesh.stroke(points, **self._in_world_units(options, opened))
-        # Without picks: the curve has none to be edited by.
-        self._keep(mesh_object, name, self._session.ComputedPolyline(line, [], opened.arrays), options)
+        wishes = self._in_world_units(options, opened)
+        line = opened.library_mesh.stroke(points, **wishes)
+        picks = []
+        if "curves" in self.job["make"]:
+            # What the curve is made from again when it is edited: no guide, but picks as of a stroke of the draw tool.
+            picks = self._line_picks.choose_picks(opened, line, **wishes)
+        computed = self._session.ComputedPolyline(line, picks, opened.arrays)
+        self._keep(mesh_object, name, computed, options, pinned="all")
 
     def _make_net(self, mesh_object: bpy.types.Object, net: dict[str, Any]) -> None:
         picks, _ = self._find_picks(mesh_object, net["picks"])
@@ -233,12 +239,18 @@ class LineMaker:
             wishes["detail_size"] *= self._mesh_read.measure_mean_scale(opened.arrays.world_matrix)
         return wishes
 
-    def _keep(self, mesh_object: bpy.types.Object, name: str, computed: Any, options: dict[str, Any]) -> None:
-        """Make the curve object where the job wants one, and the entry."""
+    def _keep(
+        self, mesh_object: bpy.types.Object, name: str, computed: Any, options: dict[str, Any], **remembered: Any
+    ) -> None:
+        """Make the curve object where the job wants one, and the entry.
+
+        remembered : options that the curve is made by again where they are others than those of the line
+        """
         curve_object = None
         if "curves" in self.job["make"]:
+            wishes = {**self._curves(), **options, **remembered}
             added = self._session.add_computed_polyline(
-                bpy.context, mesh_object, computed, name=name, source=self._source, **self._curves(), **options
+                bpy.context, mesh_object, computed, name=name, source=self._source, **wishes
             )
             curve_object = added.curve_object
         self.made.append(MadeLine(name, mesh_object, computed, curve_object, options))
