@@ -13,6 +13,12 @@ from scipy.sparse.csgraph import connected_components
 # Sums of areas and volumes are as exact as their terms; this is the promise.
 RELATIVE = 1e-9
 
+# Of an equilateral triangle with sides of length 1.
+HEIGHT = np.sqrt(3) / 2
+
+# Distances are kept to a rounding error of the numbers, which are at most 1.
+ROUNDING = 1e-14
+
 
 def fan_outlines(triangles, faces):
     """Outline of each polygon, by face id, of meshes whose polygons were cut into fans in row order."""
@@ -69,6 +75,19 @@ def faces_by_line(triangles, line_edges):
     return connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(n, n)))
 
 
+def part_distance(a, b):
+    """Distance of barycentric points when their triangle is laid onto an equilateral one with sides of length 1."""
+    return np.sqrt(((np.asarray(a) - b) ** 2).sum(axis=-1) / 2)
+
+
+def segment_distance(points, a, b):
+    """The same, of points (n, 3) from the segment from `a` to `b`: (n,)."""
+    along = b - a
+    square = along @ along
+    t = np.clip((points - a) @ along / square, 0, 1) if square > 0 else np.zeros(len(points))
+    return part_distance(points, a + t[:, None] * along)
+
+
 def distances(points, chain, closed):
     """Of points from a chain of points: (n,)."""
     ring = np.vstack([chain, chain[:1]]) if closed or len(chain) == 1 else chain
@@ -90,16 +109,14 @@ class CutChecker:
         self.diagonals = None
         self.outlines = None if faces is None else fan_outlines(self.triangles, np.asarray(faces))
 
-    def check(self, cut, lines, tolerance, moves=4):
-        """Assert everything that a cut promises; returns the triangles' parts when it is opened along the lines.
-
-        `moves`: how often the tolerance may add up where lines crowd.
-        """
+    def check(self, cut, lines, tolerance):
+        """Assert everything that a cut promises; returns the triangles' parts when it is opened along the lines."""
         self._check_vertices(cut, tolerance)
         self._check_triangles(cut)
         self._check_edges(cut)
         self._check_whole(cut)
-        self._check_lines(cut, lines, moves * tolerance)
+        self._check_apart(cut, tolerance)
+        self._check_lines(cut, lines, tolerance)
         self._check_polygons(cut)
         return faces_by_line(cut.triangles, cut.line_edges)
 
@@ -140,11 +157,49 @@ class CutChecker:
                 assert np.isnan(cut.vertex_parameters[i])
         for key, parameters in on_edges.items():
             gaps = np.diff([0.0, *sorted(parameters), 1.0])
-            assert gaps.min() > max(tolerance * 0.999, 1e-13), f"vertices {gaps.min()} of edge {key} apart"
+            assert gaps.min() >= max(tolerance - ROUNDING, 1e-13), f"vertices {gaps.min()} of edge {key} apart"
         for triangle, rows in inside.items():
             for i, row in enumerate(rows):
                 for other in rows[:i]:
                     assert np.abs(row - other).max() > 0, f"the same vertex twice in triangle {triangle}"
+
+    def _rows(self, cut, vertices, triangle):
+        """Weights of a triangle's corners for vertices in it: (n, 3)."""
+        corners = self.triangles[triangle].tolist()
+        rows = np.zeros((len(vertices), 3))
+        for row, vertex in zip(rows, vertices, strict=True):
+            for v, weight in self.support(cut, vertex).items():
+                row[corners.index(v)] = weight
+        return rows
+
+    def _check_apart(self, cut, tolerance):
+        """No sliver comes from the lines: in each triangle everything is apart by the tolerance, without exception."""
+        on_lines = set(map(tuple, cut.line_edges.tolist()))
+        parents = cut.triangle_parents
+        order = np.argsort(parents, kind="stable")
+        groups = np.split(order, np.flatnonzero(np.diff(parents[order])) + 1)
+        least = max(tolerance - ROUNDING, 1e-13)
+        for own in (group for group in groups if len(group) > 1):
+            triangle = parents[own[0]]
+            vertices, local = np.unique(cut.triangles[own], return_inverse=True)
+            rows = self._rows(cut, vertices, triangle)
+            local = local.reshape(-1, 3)
+            for i in range(1, len(rows)):
+                gap = part_distance(rows[:i], rows[i]).min()
+                assert gap >= least, f"two vertices in triangle {triangle} are {gap / tolerance} tolerances apart"
+            # Inside, the whole tolerance from the sides; on a side, what an angle of 60 degrees leaves of it.
+            inner = (rows > 0).all(axis=1)
+            assert (rows[inner] * HEIGHT >= least).all(), f"a vertex in triangle {triangle} is too near to a side"
+            assert (rows[rows > 0] * HEIGHT >= least * HEIGHT).all()
+            pieces = {tuple(sorted(side)) for side in sides_of(local).tolist()}
+            for a, b in sorted(pieces):
+                if (vertices[a], vertices[b]) not in on_lines or ((rows[a] == 0) & (rows[b] == 0)).any():
+                    continue
+                others = np.delete(rows, [a, b], axis=0)
+                gap = segment_distance(others, rows[a], rows[b]).min()
+                assert gap >= least * HEIGHT, (
+                    f"a line in {triangle} is {gap / tolerance / HEIGHT} tolerances from a vertex"
+                )
 
     def _is_diagonal(self, a, b):
         if self.faces is None:
@@ -225,27 +280,48 @@ class CutChecker:
                 assert key in edges, f"{key} on a line is no edge"
                 seen.add(key)
             assert (np.diff(parameters) >= 0).all()
-            # Each vertex lies where the line is at its parameter, but for the snapping.
-            points = np.vstack([line.points, line.points[:1]])
-            low = np.minimum(parameters.astype(int), len(points) - 2)
-            part = (parameters - low)[:, None]
-            along = (1 - part) * points[low] + part * points[low + 1]
-            off = np.linalg.norm(cut.positions[chain] - along, axis=1)
-            reach = np.array([self._reach(t) for t in line.segment_triangles] or [self._reach(line.triangles[0])])
-            reach = np.append(reach, reach[-1])
-            limit = (
-                4 * tolerance * np.maximum(reach[np.minimum(low, len(reach) - 1)], reach[low - 1]) + 1e-9 * reach.max()
-            )
-            assert (off <= limit).all(), f"a vertex is {(off / limit).max()} of what is allowed off its line"
-            # And every point of the line is on the chain, but for the snapping.
-            missed = distances(line.points, cut.positions[chain], line.closed)
-            holders = reach[np.minimum(np.arange(len(missed)), len(reach) - 1)]
-            allowed = tolerance * np.maximum(holders, np.roll(holders, 1)) + 1e-9 * reach.max()
-            assert (missed <= allowed).all(), "a point of the line is missed"
+            self._check_moves(cut, line, chain, parameters, tolerance)
         assert seen == told
 
-    def _reach(self, triangle):
-        return np.ptp(self.positions[self.triangles[triangle]], axis=0).max()
+    def _check_moves(self, cut, line, chain, parameters, tolerance):
+        """Lines are where they were, but for the stated bound, and go past all their points."""
+        points = np.vstack([line.points, line.points[:1]])
+        triangles = np.append(
+            line.segment_triangles, line.segment_triangles[-1:] if len(line.points) > 1 else line.triangles
+        )
+        low = np.minimum(parameters.astype(int), len(points) - 2)
+        part = (parameters - low)[:, None]
+        along = (1 - part) * points[low] + part * points[low + 1]
+        off = np.linalg.norm(cut.positions[chain] - along, axis=1)
+        # Led through n vertices inside a triangle; the longest side of the triangle is the scale.
+        inner = np.bincount(low[parameters != low], minlength=len(triangles))[: len(triangles)]
+        longest = np.linalg.norm(
+            np.diff(self.positions[self.triangles[triangles]][:, [0, 1, 2, 0]], axis=1), axis=2
+        ).max(1)
+        moves = np.sqrt(2) / HEIGHT * (1 + inner) * tolerance * longest[: len(inner)]
+        nearest = np.maximum(moves, np.roll(moves, 1))
+        slack = 1e-9 * longest.max()
+        assert (off <= 2 * nearest[low] + slack).all(), "a vertex is not where its parameter says"
+        # And every point of the line is on the chain, but for its own move.
+        missed = distances(line.points, cut.positions[chain], line.closed)
+        at = np.minimum(np.arange(len(missed)), len(longest) - 1)
+        reach = np.maximum(longest[at], longest[at - 1])
+        assert (missed <= np.sqrt(2) / HEIGHT * tolerance * reach + slack).all(), "a point of the line is missed"
+        for i, triangle in enumerate(line.segment_triangles):
+            own = [v for v, p in zip(chain, parameters, strict=True) if i < p < i + 1]
+            if own:
+                corners = self.triangles[triangle].tolist()
+                ends = np.array([self._row_of(line, at, corners) for at in (i, (i + 1) % len(line.points))])
+                gap = segment_distance(self._rows(cut, own, triangle), *ends).max()
+                # A tolerance of 0 stands for rounding.
+                limit = np.sqrt(2) * max(tolerance, 1e-12) * (1 + len(own))
+                assert gap <= limit + ROUNDING, f"moved by {gap}, the limit is {limit}"
+                assert gap <= cut.largest_move + ROUNDING
+
+    def _row_of(self, line, point, corners):
+        own = self.triangles[line.triangles[point]].tolist()
+        weights = dict(zip(own, line.barycentric[point], strict=True))
+        return np.array([weights.get(v, 0.0) for v in corners])
 
     def _check_polygons(self, cut):
         offsets, corners, parents = cut.polygon_offsets, cut.polygon_corners, cut.polygon_parents

@@ -227,6 +227,13 @@ impl PyCut {
         self.embedding.snapped
     }
 
+    /// How far a vertex in `line_vertices` lies from its line at most, as a part of the sides of the triangle, were it
+    /// equilateral: a float. Below `tolerance * sqrt(2) * (1 + n)`, where the line is led through n vertices inside the triangle.
+    #[getter]
+    fn largest_move(&self) -> f64 {
+        self.embedding.largest_move
+    }
+
     fn __repr__(&self) -> String {
         let (lines, new, cut) = (self.embedding.chains.len(), self.embedding.new.len(), self.embedding.cut.len());
         let plural = |count| if count == 1 { "" } else { "s" };

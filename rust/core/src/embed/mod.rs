@@ -9,12 +9,12 @@ pub mod crossings;
 pub mod cut;
 pub mod loops;
 pub mod nodes;
-pub mod paths;
 pub mod polygon_pieces;
 pub mod rings;
+pub mod spacing;
 pub mod triangulation;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec2;
 
@@ -22,11 +22,12 @@ use crate::error::{Error, OptionError, Result};
 use crate::ids::TriangleId;
 use crate::mesh::SurfaceMesh;
 use crate::polyline::Polyline;
+use crate::spot::in_triangle;
 use crate::surface_point::SurfacePoint;
 
 use arrangement::Arrangement;
-use nodes::{NewVertex, Nodes};
-use paths::{Path, find_paths};
+use nodes::{NewVertex, Nodes, distance_from_segment};
+use spacing::{Chains, keep_apart};
 use triangulation::Row;
 
 /// Barycentric distance within which points of a line go to a vertex, an edge or each other. In the float32 coordinates
@@ -70,22 +71,11 @@ pub struct Embedding {
     pub closed: Vec<bool>,
     /// Points of lines that were moved.
     pub snapped: usize,
+    /// How far a vertex of a chain is from its line at most, as a part of the sides of an equilateral triangle onto which its
+    /// triangle is laid.
+    pub largest_move: f64,
     /// Triangles that hold a segment of a line, by number.
     pub visited: Vec<u32>,
-}
-
-/// What happens in one triangle.
-#[derive(Default)]
-struct Work {
-    inside: Vec<u32>,
-    segments: Vec<[u32; 2]>,
-}
-
-/// What becomes of one triangle.
-struct Arranged {
-    pieces: Vec<[u32; 3]>,
-    /// For each segment the points between its ends, parameters from 0 to 1.
-    chains: Vec<Vec<ChainPoint>>,
 }
 
 /// How a segment becomes a chain.
@@ -94,8 +84,8 @@ enum Way {
     Point,
     /// Along a mesh edge.
     Edge,
-    /// As a segment of the work in a triangle.
-    Across { triangle: u32, segment: usize },
+    /// As one of the chains in its triangle.
+    Across(usize),
 }
 
 impl Embedding {
@@ -113,47 +103,47 @@ impl Embedding {
             return Err(OptionError::new("tolerance", message).into());
         }
         let tolerance = tolerance.max(SMALLEST_TOLERANCE);
-        let paths = find_paths(mesh, lines, tolerance);
-        let nodes = Nodes::gather(mesh, &paths, tolerance);
-        let mut works = find_works(mesh, &nodes);
-        let ways: Vec<Vec<Way>> = paths
+        let mut nodes = Nodes::gather(mesh, lines, tolerance);
+        let mut works: BTreeMap<u32, Chains> = BTreeMap::new();
+        let ways: Vec<Vec<Way>> = lines
             .iter()
             .zip(&nodes.of_points)
-            .map(|(line, ids)| sort_segments(mesh, &nodes, line, ids, &mut works))
+            .map(|(line, ids)| sort_segments(&nodes, line, ids, &mut works))
             .collect();
+        keep_apart(mesh, &mut nodes, &mut works, tolerance);
+        let mut routes = find_routes(&nodes, lines, &ways, &works);
+        let numbers = nodes.renumber(routes.iter().flatten().flatten().copied());
+        let all = routes.iter_mut().flatten().flatten().chain(works.values_mut().flatten().flatten());
+        all.for_each(|vertex| *vertex = nodes.renumbered(&numbers, *vertex));
         let mut new = nodes.new.clone();
         let mut cut = Vec::with_capacity(works.len());
-        let mut chains_across: BTreeMap<u32, Vec<Vec<ChainPoint>>> = BTreeMap::new();
-        for (&triangle, work) in &works {
-            let Arranged { pieces, chains } = arrange(mesh, &nodes, TriangleId(triangle), work, tolerance, &mut new)?;
+        let mut bends = HashMap::new();
+        for t in find_triangles(mesh, &nodes) {
+            let chains = works.get(&t).map_or(&[][..], Vec::as_slice);
+            let pieces = arrange(mesh, &nodes, TriangleId(t), chains, &mut new, &mut bends)?;
             if pieces.len() > 1 {
-                cut.push(CutTriangle { triangle: TriangleId(triangle), pieces });
+                cut.push(CutTriangle { triangle: TriangleId(t), pieces });
             }
-            chains_across.insert(triangle, chains);
         }
+        let mut largest_move: f64 = 0.0;
         let mut chains = Vec::with_capacity(lines.len());
-        for ((path, ways), ids) in paths.iter().zip(&ways).zip(&nodes.of_points) {
+        for ((line, routes), ids) in lines.iter().zip(&routes).zip(&nodes.of_points) {
             let mut chain = vec![ChainPoint { vertex: ids[0], parameter: 0.0 }];
-            for (i, way) in ways.iter().enumerate() {
-                let (a, b) = (ids[i], ids[(i + 1) % ids.len()]);
-                let (start, end) = (path.parameters[i], path.parameters.get(i + 1));
-                // The last segment of a closed line ends at the next whole number.
-                let end = end.copied().unwrap_or_else(|| start.floor() + 1.0);
-                let inner = match way {
-                    Way::Point => Vec::new(),
-                    Way::Edge => chain_along_edge(mesh, &nodes, a, b),
-                    Way::Across { triangle, segment } => chains_across[triangle][*segment].clone(),
-                };
-                let inner = inner.into_iter().map(|p| (p.vertex, start + (end - start) * p.parameter));
-                for (vertex, parameter) in inner.chain([(b, end)]) {
+            for (i, (route, &triangle)) in routes.iter().zip(&line.segment_triangles).enumerate() {
+                let points = [i, (i + 1) % ids.len()].map(|at| in_triangle(mesh, &line.surface_points[at], triangle));
+                let route = route.iter().map(|&vertex| (vertex, nodes.row(mesh, triangle, vertex)));
+                let route: Vec<_> = route.collect();
+                for (vertex, row) in with_bends(&route, &new, &bends, mesh.positions().len()) {
+                    largest_move = largest_move.max(distance_from_segment(row, points[0], points[1]));
                     let last = chain[chain.len() - 1];
                     if last.vertex != vertex {
                         // A vertex that drew the line to itself may lie a little behind the one before.
+                        let parameter = i as f64 + part_of(row, route[0].1, route[route.len() - 1].1);
                         chain.push(ChainPoint { vertex, parameter: parameter.max(last.parameter) });
                     }
                 }
             }
-            if path.closed && chain.len() > 1 && chain[0].vertex == chain[chain.len() - 1].vertex {
+            if line.closed && chain.len() > 1 && chain[0].vertex == chain[chain.len() - 1].vertex {
                 chain.pop();
             }
             chains.push(chain);
@@ -162,7 +152,7 @@ impl Embedding {
         let mut visited: Vec<u32> = lines.iter().flat_map(|line| &line.segment_triangles).map(|t| t.0).collect();
         visited.sort_unstable();
         visited.dedup();
-        Ok(Self { new, cut, chains, closed, snapped: nodes.snapped, visited })
+        Ok(Self { new, cut, chains, closed, snapped: nodes.snapped, largest_move, visited })
     }
 
     /// The edges of a line, in its direction.
@@ -182,57 +172,67 @@ impl Embedding {
     }
 }
 
-/// The mesh vertices that a vertex hangs on, where it lies on an edge or is one of the mesh; `None` inside a triangle.
-fn ends_of(mesh: &SurfaceMesh, nodes: &Nodes, vertex: u32) -> Option<[u32; 2]> {
-    match (vertex as usize).checked_sub(mesh.positions().len()) {
-        None => Some([vertex; 2]),
-        Some(new) => nodes.new[new].edge.map(|(ends, _)| ends),
-    }
-}
-
-/// The edge that both vertices lie on, lower end first.
-fn common_edge(mesh: &SurfaceMesh, nodes: &Nodes, a: u32, b: u32) -> Option<[u32; 2]> {
-    let mut ends = [ends_of(mesh, nodes, a)?, ends_of(mesh, nodes, b)?].concat();
-    ends.sort_unstable();
-    ends.dedup();
-    (ends.len() == 2).then(|| [ends[0], ends[1]])
-}
-
 /// How each segment of a line becomes a chain; those across triangles are added to the works.
-fn sort_segments(
-    mesh: &SurfaceMesh,
-    nodes: &Nodes,
-    path: &Path,
-    ids: &[u32],
-    works: &mut BTreeMap<u32, Work>,
-) -> Vec<Way> {
+fn sort_segments(nodes: &Nodes, line: &Polyline, ids: &[u32], works: &mut BTreeMap<u32, Chains>) -> Vec<Way> {
     let way = |(i, triangle): (usize, &TriangleId)| {
         let (a, b) = (ids[i], ids[(i + 1) % ids.len()]);
         if a == b {
             return Way::Point;
         }
-        if common_edge(mesh, nodes, a, b).is_some() {
+        if nodes.common_edge(a, b).is_some() {
             return Way::Edge;
         }
-        let work = works.entry(triangle.0).or_default();
-        work.segments.push([a, b]);
-        Way::Across { triangle: triangle.0, segment: work.segments.len() - 1 }
+        let chains = works.entry(triangle.0).or_default();
+        chains.push(vec![a, b]);
+        Way::Across(chains.len() - 1)
     };
-    path.triangles.iter().enumerate().map(way).collect()
+    line.segment_triangles.iter().enumerate().map(way).collect()
 }
 
-/// The triangles with new vertices on their edges or inside.
-fn find_works(mesh: &SurfaceMesh, nodes: &Nodes) -> BTreeMap<u32, Work> {
-    let mut works: BTreeMap<u32, Work> = BTreeMap::new();
+/// For each line and each of its segments the vertices from end to end, those between two on one edge included. A line of
+/// one point has one segment.
+fn find_routes(
+    nodes: &Nodes,
+    lines: &[&Polyline],
+    ways: &[Vec<Way>],
+    works: &BTreeMap<u32, Chains>,
+) -> Vec<Vec<Vec<u32>>> {
+    let of_line = |((line, ways), ids): ((&&Polyline, &Vec<Way>), &Vec<u32>)| {
+        if ways.is_empty() {
+            return vec![ids.clone()];
+        }
+        let of_segment = |(i, way): (usize, &Way)| {
+            let ends = [ids[i], ids[(i + 1) % ids.len()]];
+            let chain = match way {
+                Way::Point => &ends[..1],
+                Way::Edge => &ends[..],
+                Way::Across(chain) => &works[&line.segment_triangles[i].0][*chain],
+            };
+            let mut route = vec![chain[0]];
+            for pair in chain.windows(2) {
+                route.extend(nodes.between(pair[0], pair[1]));
+                route.push(pair[1]);
+            }
+            route
+        };
+        ways.iter().enumerate().map(of_segment).collect()
+    };
+    lines.iter().zip(ways).zip(&nodes.of_points).map(of_line).collect()
+}
+
+/// The triangles with new vertices on their edges or inside, or with a side on a line, in order.
+fn find_triangles(mesh: &SurfaceMesh, nodes: &Nodes) -> BTreeSet<u32> {
+    let mut found: BTreeSet<u32> = BTreeSet::new();
     let mut walls: BTreeSet<[u32; 2]> = BTreeSet::new();
     let has_walls = mesh.adjacency().edge_counts().wall_edges > 0;
-    for &(ends, triangle) in &nodes.edges {
-        let own = TriangleId(triangle).halfedges().into_iter().find(|&h| mesh.sorted_ends(h).map(|v| v.0) == ends);
-        let twin = own.and_then(|h| mesh.twin(h));
-        works.entry(triangle).or_default();
-        match twin {
+    for vertex in &nodes.new {
+        let own = vertex.point.triangle;
+        found.insert(own.0);
+        let Some((ends, _)) = vertex.edge else { continue };
+        let side = own.halfedges().into_iter().find(|&h| mesh.sorted_ends(h).map(|v| v.0) == ends);
+        match side.and_then(|h| mesh.twin(h)) {
             Some(twin) => {
-                works.entry(twin.triangle().0).or_default();
+                found.insert(twin.triangle().0);
             }
             None if has_walls => {
                 walls.insert(ends);
@@ -243,27 +243,26 @@ fn find_works(mesh: &SurfaceMesh, nodes: &Nodes) -> BTreeMap<u32, Work> {
     if !walls.is_empty() {
         for (t, &[a, b, c]) in mesh.triangles().iter().enumerate() {
             if [[a, b], [b, c], [c, a]].iter().any(|&[p, q]| walls.contains(&[p.min(q), p.max(q)])) {
-                works.entry(t as u32).or_default();
+                found.insert(t as u32);
             }
         }
     }
-    for (i, vertex) in nodes.new.iter().enumerate() {
-        if vertex.edge.is_none() {
-            works.entry(vertex.point.triangle.0).or_default().inside.push((mesh.positions().len() + i) as u32);
-        }
-    }
-    works
+    found
 }
 
-/// Cuts one triangle.
+/// Vertices between two that are joined by a piece of a line, where rounding made them; by the triangle's piece, lower end
+/// first.
+type Bends = HashMap<[u32; 2], Vec<u32>>;
+
+/// Cuts one triangle along the chains in it.
 fn arrange(
     mesh: &SurfaceMesh,
     nodes: &Nodes,
     triangle: TriangleId,
-    work: &Work,
-    tolerance: f64,
+    chains: &[Vec<u32>],
     new: &mut Vec<NewVertex>,
-) -> Result<Arranged> {
+    bends: &mut Bends,
+) -> Result<Vec<[u32; 3]>> {
     let corners = mesh.corners(triangle).map(|v| v.0);
     let mut numbers = corners.to_vec();
     let mut sides: [Vec<Row>; 3] = Default::default();
@@ -275,44 +274,61 @@ fn arrange(
             numbers.push(vertex);
         }
     }
-    let inside: Vec<Row> =
-        work.inside.iter().map(|&v| new[v as usize - mesh.positions().len()].point.barycentric).collect();
-    numbers.extend(&work.inside);
-    let local = |vertex: u32| numbers.iter().position(|&n| n == vertex).map(|i| i as u32);
-    // A segment lies in its triangle, so its ends are among the triangle's points.
-    let ends = work.segments.iter().map(|&[a, b]| Some([local(a)?, local(b)?])).collect::<Option<Vec<_>>>();
-    let ends = ends.ok_or(Error::Tangled { triangle: triangle.index() })?;
-    let attempt = |tolerance: f64| {
-        let mut arrangement = Arrangement::new([&sides[0], &sides[1], &sides[2]], &inside, tolerance);
-        ends.iter().for_each(|&[a, b]| arrangement.add_segment(a, b));
-        arrangement.settle(flatten(mesh, triangle)).map(|()| arrangement)
-    };
-    // Where points that draw segments to themselves send them round in circles, they stop drawing.
-    let arrangement =
-        attempt(tolerance).or_else(|_| attempt(0.0)).map_err(|_| Error::Tangled { triangle: triangle.index() })?;
+    let own = nodes.inside.get(&triangle.0).map_or(&[][..], Vec::as_slice);
+    let inside: Vec<Row> = own.iter().map(|&vertex| nodes.row(mesh, triangle, vertex)).collect();
+    numbers.extend(own);
+    let local: HashMap<u32, u32> = numbers.iter().zip(0..).map(|(&number, i)| (number, i)).collect();
+    let mut pieces: Vec<[u32; 2]> = chains.iter().flat_map(|chain| chain.windows(2)).map(|p| [p[0], p[1]]).collect();
+    pieces.retain(|&[a, b]| nodes.common_edge(a, b).is_none());
+    pieces.iter_mut().for_each(|ends| ends.sort_unstable());
+    pieces.sort_unstable();
+    pieces.dedup();
+    let tangled = Error::Tangled { triangle: triangle.index() };
+    let mut arrangement = Arrangement::new([&sides[0], &sides[1], &sides[2]], &inside);
+    for [a, b] in &pieces {
+        // A segment lies in its triangle, so its ends are among the triangle's points.
+        let (Some(&a), Some(&b)) = (local.get(a), local.get(b)) else { return Err(tangled) };
+        arrangement.add_segment(a, b);
+    }
+    arrangement.settle(flatten(mesh, triangle)).map_err(|_| tangled)?;
     for &barycentric in &arrangement.rows()[numbers.len()..] {
         numbers.push((mesh.positions().len() + new.len()) as u32);
         new.push(NewVertex { point: SurfacePoint { triangle, barycentric }, edge: None });
     }
-    let pieces = arrangement.pieces().iter().map(|piece| piece.map(|p| numbers[p as usize])).collect();
-    let chains = (0..work.segments.len())
-        .map(|segment| {
-            let chain = arrangement.chain(segment);
-            let (start, end) =
-                (arrangement.rows()[chain[0] as usize], arrangement.rows()[chain[chain.len() - 1] as usize]);
-            let along: Row = std::array::from_fn(|i| end[i] - start[i]);
-            let square: f64 = along.iter().map(|x| x * x).sum();
-            let inner = chain.iter().take(chain.len() - 1).skip(1);
-            inner
-                .map(|&p| {
-                    let row = arrangement.rows()[p as usize];
-                    let s = (0..3).map(|i| along[i] * (row[i] - start[i])).sum::<f64>() / square;
-                    ChainPoint { vertex: numbers[p as usize], parameter: s.clamp(0.0, 1.0) }
-                })
-                .collect()
-        })
-        .collect();
-    Ok(Arranged { pieces, chains })
+    for (segment, ends) in pieces.into_iter().enumerate() {
+        let chain = arrangement.chain(segment);
+        if chain.len() > 2 {
+            bends.insert(ends, chain[1..chain.len() - 1].iter().map(|&p| numbers[p as usize]).collect());
+        }
+    }
+    Ok(arrangement.pieces().iter().map(|piece| piece.map(|p| numbers[p as usize])).collect())
+}
+
+/// A route with the vertices that rounding made on it, each with its place in the triangle.
+fn with_bends(route: &[(u32, Row)], new: &[NewVertex], bends: &Bends, old: usize) -> Vec<(u32, Row)> {
+    let mut found = vec![route[0]];
+    for pair in route.windows(2) {
+        let (a, b) = (pair[0].0, pair[1].0);
+        let between = bends.get(&[a.min(b), a.max(b)]).map_or(&[][..], Vec::as_slice);
+        let place = |&vertex: &u32| (vertex, new[vertex as usize - old].point.barycentric);
+        if a < b {
+            found.extend(between.iter().map(place));
+        } else {
+            found.extend(between.iter().rev().map(place));
+        }
+        found.push(pair[1]);
+    }
+    found
+}
+
+/// How far along a segment a point is.
+fn part_of(row: Row, start: Row, end: Row) -> f64 {
+    let along: Row = std::array::from_fn(|i| end[i] - start[i]);
+    let square: f64 = along.iter().map(|x| x * x).sum();
+    if square == 0.0 {
+        return 1.0;
+    }
+    ((0..3).map(|i| along[i] * (row[i] - start[i])).sum::<f64>() / square).clamp(0.0, 1.0)
 }
 
 /// The corners of a triangle in its own plane.
@@ -322,21 +338,4 @@ fn flatten(mesh: &SurfaceMesh, triangle: TriangleId) -> [DVec2; 3] {
     let length = along.length();
     let x = up.dot(along) / length;
     [DVec2::ZERO, DVec2::new(length, 0.0), DVec2::new(x, along.cross(up).length() / length)]
-}
-
-/// The points strictly between two vertices of one edge, from `a` to `b`.
-fn chain_along_edge(mesh: &SurfaceMesh, nodes: &Nodes, a: u32, b: u32) -> Vec<ChainPoint> {
-    let Some([low, high]) = common_edge(mesh, nodes, a, b) else { return Vec::new() };
-    let parameter = |vertex: u32| match (vertex as usize).checked_sub(mesh.positions().len()) {
-        None => f64::from(u8::from(vertex == high)),
-        Some(new) => nodes.new[new].edge.map_or(0.0, |(_, t)| t),
-    };
-    let (start, end) = (parameter(a), parameter(b));
-    let between = nodes.along(low, high).into_iter().filter(|&(t, _)| t > start.min(end) && t < start.max(end));
-    let mut chain: Vec<_> =
-        between.map(|(t, vertex)| ChainPoint { vertex, parameter: (t - start) / (end - start) }).collect();
-    if start > end {
-        chain.reverse();
-    }
-    chain
 }
