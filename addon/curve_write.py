@@ -96,6 +96,6 @@ def choose_collection(context: bpy.types.Context, mesh_object: bpy.types.Object)
 
 def show_in_local_view(context: bpy.types.Context, curve_object: bpy.types.Object) -> None:
     """Show the new object also in a viewport that shows only chosen ones."""
-    space = context.space_data
+    space = getattr(context, "space_data", None)  # none in a timer
     if space is not None and space.type == "VIEW_3D" and space.local_view is not None:
         curve_object.local_view_set(space, True)

@@ -6,8 +6,11 @@ message for the artist, the whole traceback for the console. Holds no logic of a
 """
 
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
+
+import bpy
 
 from . import native
 from .errors import AddonError
@@ -18,11 +21,23 @@ PASSED_ON = (KeyboardInterrupt, SystemExit, GeneratorExit)
 
 def run_guarded(operator: Any, work: Callable[[], None]) -> set[str]:
     """Call `work` for `operator`: {'FINISHED'}, or an error report and {'CANCELLED'}."""
-    message = run_quietly(work)
+    with give_window():
+        message = run_quietly(work)
     if message is None:
         return {"FINISHED"}
     operator.report({"ERROR"}, message)
     return {"CANCELLED"}
+
+
+@contextmanager
+def give_window() -> Iterator[None]:
+    """A window for operators of Blender's own that need one to know what is active: a timer and a handler have none."""
+    windows = bpy.context.window_manager.windows
+    if bpy.context.window is not None or len(windows) == 0:
+        yield
+        return
+    with bpy.context.temp_override(window=windows[0]):
+        yield
 
 
 def run_quietly(work: Callable[[], None]) -> str | None:

@@ -108,6 +108,8 @@ def find_positions(
     if source == "BASE" and mesh.shape_keys is not None and mesh_object.data.is_editmode:
         # What is seen and edited in Edit Mode is the active key, while the mesh itself keeps the basis.
         return mesh.shape_keys.key_blocks[mesh_object.active_shape_key_index].data, "co"
+    if len(mesh.vertices) == 0:
+        return mesh.vertices, "co"  # without vertices there may be no such attribute
     return mesh.attributes["position"].data, "vector"
 
 

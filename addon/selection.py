@@ -8,6 +8,7 @@ import bpy
 
 import bmesh
 
+from . import active
 from .errors import SelectionError
 
 # Fewer give no line that could be seen.
@@ -62,9 +63,5 @@ def read_selected_faces(mesh_object: bpy.types.Object) -> list[int]:
 
 def list_picked_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The meshes in Edit Mode that have selected faces, the active one first."""
-    picked = [
-        mesh_object
-        for mesh_object in context.objects_in_mode_unique_data
-        if mesh_object.type == "MESH" and mesh_object.data.total_face_sel > 0
-    ]
-    return sorted(picked, key=lambda mesh_object: mesh_object != context.edit_object)
+    picked = [mesh_object for mesh_object in active.list_edited_meshes(context) if mesh_object.data.total_face_sel > 0]
+    return sorted(picked, key=lambda mesh_object: mesh_object != active.get_edited(context))

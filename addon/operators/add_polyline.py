@@ -6,7 +6,7 @@ Holds no logic of its own; the properties are those of `settings`.
 
 import bpy
 
-from .. import guard, selection, session, settings
+from .. import active, guard, selection, session, settings
 
 NOT_CONVERGED = {
     "cycle": "the line came back to an earlier state; the last one is kept",
@@ -24,7 +24,7 @@ class MESH_OT_smooth_polyline_add(settings.NewLineSettings, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a mesh in Edit Mode."""
-        if context.mode == "EDIT_MESH":
+        if active.is_editing_mesh(context):
             return True
         cls.poll_message_set("Enter Edit Mode on a mesh and pick faces, one after another")
         return False
@@ -39,7 +39,7 @@ class MESH_OT_smooth_polyline_add(settings.NewLineSettings, bpy.types.Operator):
 
     def add_polylines(self, context: bpy.types.Context) -> None:
         """Translate the properties, call the session, tell what came out."""
-        picked = selection.list_picked_objects(context) or [context.edit_object]
+        picked = selection.list_picked_objects(context) or [active.get_edited(context)]
         all_added = session.add_polylines(
             context,
             [(mesh_object, None) for mesh_object in picked],

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import EnumProperty
 
-from .. import change_output, guard, line_data, session
+from .. import active, change_output, guard, line_data, session
 from ..live import memory
 
 
@@ -18,14 +18,14 @@ class CURVE_OT_smooth_polyline_update(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a curve that remembers."""
-        if memory.find_memory(context.object) is not None:
+        if memory.find_memory(active.get_active(context)) is not None:
             return True
         cls.poll_message_set("Select a curve that was made by Smooth Polylines")
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Make the line of the active curve again."""
-        return guard.run_guarded(self, lambda: session.update_curve(context, context.object.data))
+        return guard.run_guarded(self, lambda: session.update_curve(context, active.get_active(context).data))
 
 
 class OBJECT_OT_smooth_polyline_change_output(bpy.types.Operator):
@@ -40,11 +40,13 @@ class OBJECT_OT_smooth_polyline_change_output(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a line that remembers, in Object Mode."""
-        if context.mode == "OBJECT" and memory.find_memory(context.object) is not None:
+        if active.is_in_object_mode(context) and memory.find_memory(active.get_active(context)) is not None:
             return True
         cls.poll_message_set("In Object Mode, select a curve that was made by Smooth Polylines")
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Replace the active object."""
-        return guard.run_guarded(self, lambda: change_output.change_output(context, context.object, self.output))
+        return guard.run_guarded(
+            self, lambda: change_output.change_output(context, active.get_active(context), self.output)
+        )

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 
-from .. import guard
+from .. import active, guard
 from ..errors import ObjectError
 from ..seams import copy_marks, settings
 
@@ -19,7 +19,7 @@ class MESH_OT_smooth_polyline_copy_marks(settings.MarkSettings, bpy.types.Operat
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a mesh."""
-        if context.object is not None and context.object.type == "MESH":
+        if active.is_mesh_active(context):
             return True
         cls.poll_message_set("Select the meshes that shall get the marks, and last the mesh that has them")
         return False
@@ -30,8 +30,8 @@ class MESH_OT_smooth_polyline_copy_marks(settings.MarkSettings, bpy.types.Operat
 
     def copy(self, context: bpy.types.Context) -> None:
         """Call the plain function once a mesh, tell what came out."""
-        source = context.object
-        targets = {o.data: o for o in context.selected_objects if o.type == "MESH" and o.data != source.data}
+        source = active.get_active(context)
+        targets = {o.data: o for o in active.list_selected(context) if o.type == "MESH" and o.data != source.data}
         if not targets:
             raise ObjectError(
                 f"No other mesh is selected; select those that shall get the marks, and last {source.name} with them"
@@ -88,7 +88,7 @@ class MESH_OT_smooth_polyline_mirror_marks(settings.MarkSettings, bpy.types.Oper
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a mesh."""
-        if context.object is not None and context.object.type == "MESH":
+        if active.is_mesh_active(context):
             return True
         cls.poll_message_set("Make a mesh the active object")
         return False
@@ -100,7 +100,7 @@ class MESH_OT_smooth_polyline_mirror_marks(settings.MarkSettings, bpy.types.Oper
     def mirror(self, context: bpy.types.Context) -> None:
         """Call the plain function, tell what came out."""
         done = copy_marks.mirror_marks(
-            context.object,
+            active.get_active(context),
             self.axis,
             settings.order_marks(self.marks),
             method=self.method,

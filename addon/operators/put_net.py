@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
-from .. import guard, settings
+from .. import active, guard, settings
 from ..seams import nets, put, report
 from ..seams import settings as seam_settings
 
@@ -62,7 +62,7 @@ class MESH_OT_smooth_polyline_net(
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a mesh in Edit Mode."""
-        if context.mode == "EDIT_MESH":
+        if active.is_editing_mesh(context):
             return True
         cls.poll_message_set("Enter Edit Mode on a mesh and select the faces that shall be joined")
         return False
@@ -99,7 +99,7 @@ class MESH_OT_smooth_polyline_net(
         del options["closed"], options["pinned"]
         done = nets.put_net_into_mesh(
             context,
-            context.edit_object,
+            active.get_edited(context),
             connections=self.connections,
             outputs=[output for output in nets.OUTPUTS if output in self.outputs],
             marks=seam_settings.order_marks(self.marks),

@@ -14,6 +14,8 @@ import numpy as np
 import bmesh
 from bmesh.types import BMEdge, BMesh, BMFace, BMLoop, BMVert
 
+from ..errors import ObjectError
+
 # Lighter corners weigh nothing in 32 bits.
 SMALLEST_WEIGHT = 1e-12
 
@@ -39,6 +41,7 @@ def apply_cut(edited: BMesh, cut: Any, local_positions: np.ndarray, triangles: n
     # Not indexed later on: elements that are added make the lookup tables stale.
     new_vertices: list[BMVert | None] = [None] * len(cut.vertex_triangles)
     pieces = collect_pieces(cut)
+    refuse_doubled_faces(edited, pieces, old_count)
     faces = {parent: edited.faces[parent] for parent in pieces}
     needed = {v for polygons in pieces.values() for corners in polygons.values() for v in corners if v < old_count}
     needed |= {int(v) for v in np.asarray(cut.line_edges).ravel() if v < old_count}
@@ -77,6 +80,27 @@ def collect_pieces(cut: Any) -> dict[int, dict[int, list[int]]]:
         corners = all_corners[offsets[polygon] : offsets[polygon + 1]]
         pieces.setdefault(int(parents[polygon]), {})[polygon] = corners.tolist()
     return {parent: polygons for parent, polygons in pieces.items() if len(polygons) > 1}
+
+
+def refuse_doubled_faces(edited: BMesh, pieces: dict[int, dict[int, list[int]]], old_count: int) -> None:
+    """ObjectError, before anything is changed, where a piece would have the very vertices of another face.
+
+    So it comes out where a face is folded back onto its neighbour: Blender has no two faces on the same vertices.
+    """
+    seen: dict[frozenset[int], int] = {}
+    for parent, polygons in pieces.items():
+        for corners in polygons.values():
+            key = frozenset(corners)
+            other = seen.get(key)
+            if other is None and max(corners) < old_count:
+                found = edited.faces.get([edited.verts[v] for v in corners])
+                other = None if found is None or found.index in pieces else found.index
+            seen[key] = parent
+            if other is not None:
+                raise ObjectError(
+                    f"Face {parent} is folded onto face {other}, and a piece of it would have the same vertices; "
+                    "unfold it there, or merge its vertices by distance (Mesh > Merge > By Distance), and cut again"
+                )
 
 
 def add_vertex(edited: BMesh, corners: Sequence[BMVert], weights: np.ndarray, place: np.ndarray) -> BMVert:

@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import active
 from ..errors import ObjectError
 from ..live import memory
 from . import strokes
@@ -12,10 +13,10 @@ HOW_TO_SELECT = "Select the curves and, last, the mesh; or pick faces in Edit Mo
 
 def find_mesh_object(context: bpy.types.Context) -> bpy.types.Object:
     """The mesh that is edited or active, else the one that the selected lines lie on; ObjectError when none is."""
-    active = context.object
-    if active is not None and active.type == "MESH" and not strokes.is_line(active):
-        return active
-    meshes = [o for o in context.selected_objects if o.type == "MESH" and not strokes.is_line(o)]
+    active_object = active.get_active(context)
+    if active_object is not None and active_object.type == "MESH" and not strokes.is_line(active_object):
+        return active_object
+    meshes = [o for o in active.list_selected(context) if o.type == "MESH" and not strokes.is_line(o)]
     if not meshes:
         lines = find_line_objects(context)
         remembered = [known.surface for known in map(memory.find_memory, lines) if known is not None]
@@ -39,9 +40,9 @@ def find_line_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 def is_possible(context: bpy.types.Context) -> bool:
     """Whether there can be a mesh and a line: cheap, for polls."""
-    active = context.object
-    if active is None:
+    active_object = active.get_active(context)
+    if active_object is None:
         return False
-    if active.type == "MESH":
-        return active.mode in {"EDIT", "OBJECT"}
-    return strokes.is_line(active) and context.mode == "OBJECT"
+    if active_object.type == "MESH":
+        return active_object.mode in {"EDIT", "OBJECT"}
+    return strokes.is_line(active_object) and active.is_in_object_mode(context)

@@ -101,6 +101,11 @@ def mirror_marks(
         values = {mark: edge_marks.read_marks(mesh, mark) for mark in wanted}
     if len(joined.edges) == 0:
         raise AddonError(f"{mesh_object.name} has no edges")
+    is_finite = np.isfinite(positions).all(axis=1)
+    if not is_finite.all():
+        raise AddonError(
+            f"Vertex {int(np.argmin(is_finite))} of {mesh_object.name} has no finite position; move or delete it"
+        )
     if method == "POSITION":
         partners = mirror.match_by_position(positions, number, tolerance)
     else:

@@ -13,6 +13,7 @@ import bpy
 import bmesh
 
 from .. import mesh_read
+from ..active import is_in_object_mode, list_edited_meshes, list_selected
 from ..errors import ObjectError
 
 # Triangles flatter than this (twice their area over the square of a side) have no shape left in 32 bits: not measured.
@@ -77,7 +78,7 @@ def check_unwrappable(context: bpy.types.Context, mesh_object: bpy.types.Object)
         return
     if len(mesh.polygons) == 0:
         raise ObjectError(f"{mesh_object.name} has no faces to unwrap")
-    if context.mode != "OBJECT" or not mesh_object.visible_get(view_layer=context.view_layer):
+    if not is_in_object_mode(context) or not mesh_object.visible_get(view_layer=context.view_layer):
         raise ObjectError(
             f"{mesh_object.name} cannot be unwrapped: it must be visible, and Blender in Object Mode, or the mesh in "
             "Edit Mode; show it, or turn Unwrap off"
@@ -89,14 +90,14 @@ def run_unwrap(context: bpy.types.Context, mesh_object: bpy.types.Object, method
     view_layer = context.view_layer
     was_editing, active = mesh_object.data.is_editmode, view_layer.objects.active
     if not was_editing:
-        selected_objects = list(context.selected_objects)
+        selected_objects = list_selected(context)
         for other in selected_objects:
             other.select_set(False)
         view_layer.objects.active = mesh_object
         bpy.ops.object.mode_set(mode="EDIT")
     try:
         # Others in Edit Mode keep their maps: only what is selected is unwrapped.
-        edited = [o for o in context.objects_in_mode_unique_data if o.type == "MESH"]
+        edited = list_edited_meshes(context)
         selected = {o: read_selection(o) for o in edited}
         bpy.ops.mesh.select_all(action="SELECT")
         for other in edited:

@@ -8,7 +8,7 @@ import bpy
 import bmesh
 
 from attributed_mesh import add_attributed_grid, read_everything
-from blender_scenes import add_grid, enter_edit_mode, pick_faces
+from blender_scenes import add_grid, add_mesh_object, enter_edit_mode, pick_faces
 from cut_meshes import add_ball, circle_on_ball, flood, measure, seam_edges
 
 
@@ -112,3 +112,21 @@ def test_operator_snaps_picks_in_edit_mode(scene, seams):
     marked = [e for e in edited.edges if e.seam]
     assert len(marked) >= 5
     assert marked == [e for e in edited.edges if not e.smooth]
+
+
+def test_a_face_folded_onto_its_neighbour_is_refused(scene, seams):
+    """A piece that has the vertices of another face, old or new, is none that Blender can make."""
+    from bl_ext.user_default.smooth_polylines.seams import apply_cut
+
+    positions = [(0, 0, 0), (0.5, -0.1, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    folded = add_mesh_object("Folded", positions, [(0, 1, 2, 3, 4), (2, 1, 0), (4, 3, 2, 1, 0)])
+    edited = bmesh.new()
+    edited.from_mesh(folded.data)
+    edited.verts.ensure_lookup_table()
+    apply_cut.refuse_doubled_faces(edited, {0: {0: [0, 1, 3], 1: [1, 2, 3], 2: [0, 3, 4]}}, 5)
+    for pieces in ({0: {0: [0, 1, 2], 1: [0, 2, 3, 4]}}, {0: {0: [0, 1, 5], 1: [5, 3, 4]}, 2: {0: [0, 5, 1]}}):
+        with pytest.raises(apply_cut.ObjectError, match="is folded onto face [01]"):
+            apply_cut.refuse_doubled_faces(edited, pieces, 5)
+    # The small face itself may go.
+    apply_cut.refuse_doubled_faces(edited, {0: {0: [0, 1, 2], 1: [0, 2, 3, 4]}, 1: {0: [2, 1, 5], 1: [1, 0, 5]}}, 5)
+    edited.free()
