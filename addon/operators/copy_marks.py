@@ -9,6 +9,14 @@ from ..errors import ObjectError
 from ..seams import copy_marks, settings
 
 
+def has_active_mesh(operator: type[bpy.types.Operator], context: bpy.types.Context, advice: str) -> bool:
+    """Whether the active object is a mesh; else what to do is shown."""
+    if active.is_mesh_active(context):
+        return True
+    operator.poll_message_set(advice)
+    return False
+
+
 class MESH_OT_smooth_polyline_copy_marks(settings.MarkSettings, bpy.types.Operator):
     """Give the other selected meshes of the same topology the seams and other edge marks of the active one"""
 
@@ -19,10 +27,9 @@ class MESH_OT_smooth_polyline_copy_marks(settings.MarkSettings, bpy.types.Operat
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a mesh."""
-        if active.is_mesh_active(context):
-            return True
-        cls.poll_message_set("Select the meshes that shall get the marks, and last the mesh that has them")
-        return False
+        return has_active_mesh(
+            cls, context, "Select the meshes that shall get the marks, and last the mesh that has them"
+        )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Copy to each selected mesh; all or none."""
@@ -88,10 +95,7 @@ class MESH_OT_smooth_polyline_mirror_marks(settings.MarkSettings, bpy.types.Oper
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the active object is a mesh."""
-        if active.is_mesh_active(context):
-            return True
-        cls.poll_message_set("Make a mesh the active object")
-        return False
+        return has_active_mesh(cls, context, "Make a mesh the active object")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Mirror the marks of the active mesh."""

@@ -2,7 +2,7 @@
 """Put Lines into Mesh: its panel, and one call into `seams.put`. Holds no logic of its own."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from .. import guard, session, settings
 from ..seams import choose, put, report
@@ -16,9 +16,7 @@ SOURCES = (
 
 
 class MESH_OT_smooth_polyline_seam(
-    seam_settings.MarkSettings,
-    seam_settings.WeightSettings,
-    seam_settings.UnwrapSettings,
+    seam_settings.PutSettings,
     settings.LineSettings,
     bpy.types.Operator,
 ):
@@ -32,18 +30,10 @@ class MESH_OT_smooth_polyline_seam(
         name="Method", description="How the line gets into the mesh", items=seam_settings.METHODS, default="CUT"
     )
     lines: EnumProperty(name="Lines", description="Where the lines come from", items=SOURCES, default="AUTO")
-    smooth_drawn: bpy.props.BoolProperty(
+    smooth_drawn: BoolProperty(
         name="Smooth Drawn Lines",
         description="Smooth curves that were not made by Smooth Polylines by the filter below; else they are followed",
         default=False,
-    )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="Cut: a line this near to a vertex or an edge, as a part of the edge or face, goes through it",
-        default=put.DEFAULT_TOLERANCE,
-        min=0.0,
-        max=0.25,
-        precision=4,
     )
     max_distance: FloatProperty(
         name="Max Distance",
@@ -53,7 +43,6 @@ class MESH_OT_smooth_polyline_seam(
         subtype="DISTANCE",
         unit="LENGTH",
     )
-    told: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -69,10 +58,7 @@ class MESH_OT_smooth_polyline_seam(
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.row().prop(self, "method", expand=True)
-        layout.column().prop(self, "marks")
-        row = layout.row()
-        row.enabled = bool(self.marks & {"CREASE", "BEVEL_WEIGHT"})
-        row.prop(self, "weight")
+        self.draw_marks(layout)
         row = layout.row()
         row.enabled = self.method == "CUT"
         row.prop(self, "tolerance")
@@ -83,8 +69,7 @@ class MESH_OT_smooth_polyline_seam(
         layout.prop(self, "max_distance")
         for name in ("filter", "closed", "pinned", "detail_size"):
             layout.prop(self, name)
-        for line in self.told.splitlines():
-            layout.label(text=line)
+        self.draw_told(layout)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Put the lines into the mesh."""

@@ -2,10 +2,10 @@
 """Put Net into Mesh: its panel, and one call into `seams.nets`. Holds no logic of its own."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty
 
 from .. import active, guard, settings
-from ..seams import nets, put, report
+from ..seams import nets, report
 from ..seams import settings as seam_settings
 
 CONNECTIONS = (
@@ -22,9 +22,7 @@ OUTPUTS = (
 
 
 class MESH_OT_smooth_polyline_net(
-    seam_settings.MarkSettings,
-    seam_settings.WeightSettings,
-    seam_settings.UnwrapSettings,
+    seam_settings.PutSettings,
     settings.LineSettings,
     bpy.types.Operator,
 ):
@@ -49,15 +47,6 @@ class MESH_OT_smooth_polyline_net(
         description="Where lines must cross, they start anew from the crossing",
         default=False,
     )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="A line this near to a vertex or an edge, as a part of the edge or face, goes through it",
-        default=put.DEFAULT_TOLERANCE,
-        min=0.0,
-        max=0.25,
-        precision=4,
-    )
-    told: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -79,14 +68,10 @@ class MESH_OT_smooth_polyline_net(
         row.prop(self, "detail_size")
         layout.prop(self, "crossings_as_nodes")
         layout.column().prop(self, "outputs")
-        layout.column().prop(self, "marks")
-        row = layout.row()
-        row.enabled = bool(self.marks & {"CREASE", "BEVEL_WEIGHT"})
-        row.prop(self, "weight")
+        self.draw_marks(layout)
         layout.prop(self, "tolerance")
         layout.prop(self, "unwrap")
-        for line in self.told.splitlines():
-            layout.label(text=line)
+        self.draw_told(layout)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Make the net from the selected faces of the active mesh."""

@@ -33,6 +33,7 @@ class PutNet:
     sides: np.ndarray  # (P,) int: sides of every patch
     three_sided: int  # patches that are discs of three sides
     four_sided: int
+    not_discs: int  # patches with a hole or a handle in them
     crossings: int  # crossings that the picks force: vertices of the cut, and corners of patches
     crossings_as_nodes: int  # of those, how many were made picks, from which the lines start anew
     errors: list[Exception]  # of lines that could not be made
@@ -106,6 +107,7 @@ def put_net_into_mesh(
         sides=np.array(patches.sides),
         three_sided=patches.three_sided,
         four_sided=patches.four_sided,
+        not_discs=patches.not_discs,
         crossings=forced,
         crossings_as_nodes=made_nodes,
         errors=errors,

@@ -67,6 +67,11 @@ def describe_net(done: Any) -> tuple[str, bool]:
         f"{len(done.lines.lines)} lines, {count} {'patch' if count == 1 else 'patches'}: "
         f"{done.three_sided} of three sides, {done.four_sided} of four"
     ]
+    if done.not_discs:
+        is_one = done.not_discs == 1
+        parts.append(
+            f"{done.not_discs} of them {'is no disc' if is_one else 'are no discs'} (a hole or a handle is inside)"
+        )
     if done.crossings_as_nodes:
         parts.append(f"{done.crossings_as_nodes} crossings became picks")
     if done.crossings:

@@ -85,7 +85,14 @@ def plane(scenes):
         straight("hint", 0, 210, 19),
     ]
     nets = [
-        {"name": "net", "filter": "geodesic", "picks": [0, 19, 399, 380], "connections": "all"},
+        {
+            "name": "net",
+            "filter": "geodesic",
+            "picks": [0, 19, 399, 380],
+            "connections": "all",
+            "avoid_crossings": False,
+        },
+        {"name": "round", "filter": "geodesic", "picks": [0, 19, 399, 380], "connections": "all"},
         {"name": "two", "filter": "geodesic", "picks": [0, 19, 399], "connections": [[0, 1], [1, 2]]},
         {"name": "auto", "filter": "geodesic", "picks": [0, 19, 399, 380, 190], "connections": "automatic"},
     ]
@@ -154,6 +161,10 @@ def test_pins_nets_and_closed_guides(plane):
     ]
     assert (told["auto"]["patches"], told["auto"]["three_sided"], told["auto"]["crossings"]) == (3, 2, 0)
     assert told["net"]["crossings"] == 1  # the two diagonals
+    # One of them goes round an end of the other. Euler: 6 - 4 + 2, of which one lies outside.
+    assert (told["round"]["crossings"], told["round"]["patches"]) == (0, 4)
+    assert [n for n in lines if n.startswith("round[")] == [f"round[{p}]" for p in pairs]
+    assert lines["round[0-2]"]["length"] > 0.95 * 2**0.5 + 0.1
     assert entries["bezier"]["closed"]
     assert lines["bezier"]["closed"]
     radii = np.linalg.norm(np.array(lines["bezier"]["points"])[:, :2] - 0.5, axis=1)
@@ -210,8 +221,9 @@ def test_curves_can_be_edited_on_also_those_along_guides(plane):
         assert known is not None, name
         assert known["state"] == "CURRENT"
         assert known["filter"] == line["settings"]["filter"].upper()
-        is_guided = name in {"poly", "pencil", "bezier"} or name.startswith("strokes.")
-        # Made again from its picks the line is where it was; along a guide within a thousandth of the plane's diagonal.
+        is_guided = name in {"poly", "pencil", "bezier", "round[0-2]"} or name.startswith("strokes.")
+        # Made again from its picks the line is where it was; along a guide, or where it was led round another line,
+        # within a thousandth of the plane's diagonal.
         assert known["moved"] < (1.5e-3 if is_guided else 1e-5), name
         if is_guided:
             assert known["pinned"] == "ALL"

@@ -1,10 +1,14 @@
 """Nets as patches: crossings found and avoided, automatic connections, and what the lines part a mesh into."""
 
+from collections import Counter, defaultdict, deque
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 import smooth_polylines as sp
 from native.cut_checker import CutChecker, count_edges, faces_by_line
+from native.invariants import same_line
 from native.made_meshes import make_grid, make_sphere, make_torus
 from native.surfaces import open_surface
 
@@ -127,7 +131,7 @@ def test_all_pairs_of_four_in_a_square_cross_once_and_the_crossing_can_be_a_node
     positions, triangles = make_grid(12)
     mesh = sp.SurfaceMesh(positions, triangles)
     corners = mesh.closest_points([[0.1, 0.12, 0], [0.9, 0.11, 0], [0.88, 0.9, 0], [0.13, 0.87, 0.0]]).surface_points
-    net = mesh.network(corners, "all", filter="geodesic")
+    net = mesh.network(corners, "all", filter="geodesic", avoid_crossings=False)
     assert len(net) == 6
     assert len(net.crossings) == 1
     assert set(net.crossings.lines[0].tolist()) == {1, 4}  # the diagonals 0-2 and 1-3
@@ -210,6 +214,130 @@ def test_lines_that_need_not_cross_are_parted():
             assert not set(pairs[a]) & set(pairs[b]), "lines that share a pick cross"
     assert forced > 0
     assert before >= forced
+
+
+def test_all_pairs_of_four_need_not_cross_and_of_five_must():
+    """The complete graph of four can be drawn in the plane, that of five only with a crossing (Kuratowski 1930)."""
+    positions, triangles = make_grid(16)
+    mesh = sp.SurfaceMesh(positions, triangles)
+    five = [[0.3, 0.32, 0], [0.7, 0.31, 0], [0.68, 0.7, 0], [0.33, 0.67, 0], [0.52, 0.85, 0]]
+    picks = mesh.closest_points(five).surface_points
+    for count, least in ((4, 0), (5, 1)):
+        net = mesh.network(picks[:count], "all", filter="geodesic")
+        assert len(net.crossings) == least
+        check_patches(net, positions, triangles)
+        # Every line is there.
+        assert net.errors == [None] * (count * (count - 1) // 2)
+
+
+def cross_in_square(mesh, ends):
+    """The net of two lines over a square, which would cross when straight."""
+    picks = mesh.closest_points([[*end, 0.0] for end in ends]).surface_points
+    return picks, np.array([[0, 1], [2, 3]])
+
+
+@pytest.mark.parametrize("filter_name", ["linear", "cubic", "geodesic", "fair", "none"])
+def test_a_single_crossing_is_gone_round_where_there_is_a_way(filter_name):
+    """Two lines that share no pick: one goes round the other's end."""
+    positions, triangles = make_grid(24)
+    mesh = sp.SurfaceMesh(positions, triangles)
+    picks, pairs = cross_in_square(mesh, [(0.1, 0.52), (0.9, 0.47), (0.51, 0.2), (0.48, 0.8)])
+    plain = mesh.network(picks, pairs, filter=filter_name)
+    assert len(plain.crossings) == 1
+    net = mesh.network(picks, pairs, filter=filter_name, avoid_crossings=True)
+    assert len(net.crossings) == 0
+    assert (net.connections == pairs).all()
+    for line, (start, goal) in zip(net, pairs, strict=True):
+        for end, pick in ((0, start), (-1, goal)):
+            corners = positions[triangles[picks[pick].triangle]]
+            assert np.allclose(line.points[end], np.asarray(picks[pick].barycentric) @ corners)
+    assert len(check_patches(net, positions, triangles)) == 1
+    # One has stayed as it was, the other goes round it and no farther than round the square.
+    changed = [i for i in range(2) if not same_line(plain[i], net[i])]
+    assert len(changed) == 1
+    assert plain[changed[0]].length < net[changed[0]].length < 2.5
+
+
+def test_a_crossing_is_forced_where_the_other_line_parts_the_surface():
+    positions, triangles = make_grid(24)
+    mesh = sp.SurfaceMesh(positions, triangles)
+    # Both from border to border: neither has a way to the other side.
+    picks, pairs = cross_in_square(mesh, [(0.0, 0.52), (1.0, 0.47), (0.5, 0.0), (0.5, 1.0)])
+    net = mesh.network(picks, pairs, filter="geodesic", avoid_crossings=True)
+    assert len(net.crossings) == 1
+    # Two lines more in the way, which can be gone round: one crossing remains.
+    ends = [(0.0, 0.52), (1.0, 0.47), (0.5, 0.0), (0.5, 1.0), (0.3, 0.3), (0.8, 0.33), (0.2, 0.7), (0.7, 0.72)]
+    picks = mesh.closest_points([[*end, 0.0] for end in ends]).surface_points
+    pairs = np.arange(8).reshape(4, 2)
+    assert len(mesh.network(picks, pairs, filter="geodesic").crossings) == 3
+    net = mesh.network(picks, pairs, filter="geodesic", avoid_crossings=True)
+    assert net.crossings.lines.tolist() == [[0, 1]]
+
+
+def count_reachable_crossings(net, mesh, line):
+    """The fewest lines that a way between the ends of `line` has to step over: a search of its own on the cut mesh."""
+    made = [one for one in net if one is not None]
+    cut = mesh.cut(made, 1e-6)
+    over = Counter()
+    for number, chain in enumerate(cut.line_vertices):
+        if number != line:
+            over.update({tuple(sorted(pair)) for pair in pairwise(chain.tolist())})
+    at, by_edge = defaultdict(list), defaultdict(list)
+    for row, corners in enumerate(cut.triangles.tolist()):
+        for k in range(3):
+            at[corners[k]].append(row)
+            by_edge[tuple(sorted((corners[k], corners[(k + 1) % 3])))].append(row)
+    start, goal = cut.line_vertices[line][[0, -1]].tolist()
+    best = dict.fromkeys(at[start], 0)
+    front = deque(best)
+    neighbours = defaultdict(list)
+    for edge, rows in by_edge.items():
+        if len(rows) == 2:
+            neighbours[rows[0]].append((rows[1], over[edge]))
+            neighbours[rows[1]].append((rows[0], over[edge]))
+    while front:
+        row = front.popleft()
+        for other, cost in neighbours[row]:
+            if best[row] + cost < best.get(other, 1 << 30):
+                best[other] = best[row] + cost
+                front.appendleft(other) if cost == 0 else front.append(other)
+    return min(best[row] for row in at[goal] if row in best)
+
+
+@pytest.mark.parametrize("filter_name", ["linear", "fair"])
+def test_what_still_crosses_is_forced(filter_name):
+    """No way between the picks of a line that still crosses others crosses fewer, as the others lie."""
+    surface = open_surface("terrain")
+    remaining = avoided = 0
+    for seed in range(4):
+        picks = surface.random_picks(10, seed)
+        rng = np.random.default_rng(seed)
+        pairs = np.unique(np.array([sorted(rng.choice(10, 2, replace=False)) for _ in range(14)]), axis=0)
+        plain = surface.mesh.network(picks, pairs, filter=filter_name)
+        net = surface.mesh.network(picks, pairs, filter=filter_name, avoid_crossings=True)
+        avoided += len(plain.crossings) - len(net.crossings)
+        remaining += len(net.crossings)
+        counts = Counter(net.crossings.lines.ravel().tolist())
+        for line, count in counts.items():
+            assert count_reachable_crossings(net, surface.mesh, line) == count
+    assert avoided > 0
+    # Of fourteen lines on ten picks some nets cannot be drawn in the plane.
+    assert remaining >= 0
+
+
+@pytest.mark.parametrize("filter_name", ["linear", "geodesic"])
+@pytest.mark.parametrize("name", ["bunny00.off", "spot.obj", "fertility.off", "cow.off", "igea.ply"])
+def test_discs_of_automatic_nets_have_four_sides_at_most(name, filter_name):
+    surface = open_surface(name)
+    picks = spread_picks(surface.positions, surface.triangles, 20)
+    net = surface.mesh.network(picks, "automatic", filter=filter_name)
+    assert len(net.crossings) == 0
+    patches = net.patches()
+    discs = patches.euler == 1
+    assert patches.sides[discs].max() <= 4
+    assert patches.not_discs == np.count_nonzero(~discs)
+    # A line stands for two sides.
+    assert patches.sides.sum() >= 2 * len(net)
 
 
 @pytest.mark.parametrize("name", ["bunny00.off", "igea.ply"])

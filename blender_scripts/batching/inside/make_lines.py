@@ -210,14 +210,28 @@ class LineMaker:
             connections = np.array(connections, dtype=np.int64)
         wishes = self._in_world_units(options, opened)
         made = opened.library_mesh.network(picks, connections, avoid_crossings=net["avoid_crossings"], **wishes)
+        names: dict[str, int] = {}
         for ends, line, error in zip(made.connections.tolist(), made.lines, made.errors, strict=True):
             name = f"{net['name']}[{ends[0]}-{ends[1]}]"
+            # A diagonal of a patch may join two picks a second time.
+            names[name] = names.get(name, 0) + 1
+            if names[name] > 1:
+                name += f".{names[name]}"
             if error is not None:
                 self._fail(mesh_object, name, type(error).__name__, str(error))
                 continue
             own = [picks[end] for end in ends]
-            self._keep(mesh_object, name, self._session.ComputedPolyline(line, own, opened.arrays), options)
+            remembered = {}
+            if "curves" in self.job["make"] and not self._is_made_by(opened, own, line, wishes):
+                # Led round others: its two picks alone would give another line.
+                own, remembered = self._line_picks.choose_picks(opened, line, **wishes), {"pinned": "all"}
+            computed = self._session.ComputedPolyline(line, own, opened.arrays)
+            self._keep(mesh_object, name, computed, options, **remembered)
         self._tell_patches(mesh_object, net["name"], made)
+
+    def _is_made_by(self, opened: Any, picks: list[Any], line: Any, wishes: dict[str, Any]) -> bool:
+        """Whether a line of a net is the one that its picks alone give."""
+        return opened.library_mesh.polyline(picks, **wishes).to_bytes() == line.to_bytes()
 
     def _tell_patches(self, mesh_object: bpy.types.Object, name: str, made: Any) -> None:
         """An entry on the net as a whole: into what it parts the surface."""

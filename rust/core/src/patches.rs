@@ -35,6 +35,8 @@ pub struct Patches {
     pub of_triangles: Vec<u32>,
     /// What is known of each.
     pub patches: Vec<Patch>,
+    /// For each patch the corners that its sides lie between, vertices of the cut mesh, in order round each loop in turn.
+    pub corners: Vec<Vec<u32>>,
     /// Pairs of patches that meet at a line, lower first, each once; a patch that meets itself there is a pair with itself.
     pub neighbours: Vec<[u32; 2]>,
 }
@@ -126,11 +128,13 @@ impl Opened<'_> {
 
     /// Walks the outline of every patch: loops, sides, neighbours, and with the vertices inside the Euler characteristic.
     fn outline(&self, found: &mut Patches, corners: &HashSet<u32>) {
-        let patch_of = |h: HalfedgeId| found.of_triangles[h.triangle().index()];
+        let of_triangles = found.of_triangles.clone();
+        let patch_of = |h: HalfedgeId| of_triangles[h.triangle().index()];
         let count = 3 * self.triangles.len();
         let mut is_walked = vec![false; count];
         let mut is_corner_seen = vec![false; count];
         let mut neighbours = BTreeSet::new();
+        found.corners = vec![Vec::new(); found.patches.len()];
         for start in (0..count as u32).map(HalfedgeId) {
             if is_walked[start.index()] || self.inner_twin(start).is_some() {
                 continue;
@@ -146,7 +150,10 @@ impl Opened<'_> {
                     neighbours.insert([other.min(patch as u32), other.max(patch as u32)]);
                 }
                 let next = self.next_side(side, v, &mut is_corner_seen);
-                stops += u32::from(corners.contains(&v) || self.is_line(side) != self.is_line(next));
+                if corners.contains(&v) || self.is_line(side) != self.is_line(next) {
+                    stops += 1;
+                    found.corners[patch].push(v);
+                }
                 if next == start && v == first {
                     break;
                 }

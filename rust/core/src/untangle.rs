@@ -2,21 +2,22 @@
 //!
 //! Two lines that share an end pick and cross elsewhere, or that cross twice, enclose something between them that one of
 //! them can be led round: it is sent along the other as far as the crossing, and smoothed from there. A line that crosses
-//! itself loses the loop. A change is kept only where fewer crossings remain in all, so this ends. What then remains are
-//! crossings of lines that cross once and share no pick, and such as smoothing brings back: those are forced.
+//! itself loses the loop. Where lines still cross, the way between a line's picks that steps over the fewest others is looked
+//! for on the whole surface (`opened`); if it steps over fewer than the line crosses, the line takes it. A change is kept
+//! only where fewer crossings remain in all, so this ends. What then remains is forced, as the other lines lie: no way
+//! between the picks of either line crosses fewer.
 
 use std::collections::BTreeMap;
 
 use crate::embed::crossings::{Crossing, find_crossings};
-use crate::error::{Error, Result};
-use crate::join::Input;
+use crate::error::Result;
 use crate::mesh::SurfaceMesh;
-use crate::options::Options;
+use crate::opened::{Limits, OpenedNet};
+use crate::options::{Options, Pinned};
 use crate::polyline::Polyline;
-use crate::report::{Observer, Report};
-use crate::smooth::smooth_input;
-use crate::stroke::{StrokePoints, join_stroke};
-use crate::surface_point::{Pick, SurfacePoint};
+use crate::report::Observer;
+use crate::surface_point::SurfacePoint;
+use crate::way::{follow, lead};
 
 /// Changes that are tried for each line of a net.
 const ATTEMPTS_PER_LINE: usize = 4;
@@ -29,7 +30,8 @@ struct Detour {
 }
 
 /// Takes crossings out of `lines`, `None` where a line could not be made; `pairs[i]` are the picks that line `i` joins.
-/// Returns the crossings that remain, whose lines are places in `lines`.
+/// Without `far`, lines go round others only where the two enclose something. Returns the crossings that remain, whose lines
+/// are places in `lines`.
 ///
 /// # Errors
 /// [`Error::Interrupted`], and what [`find_crossings`] may raise. A line that cannot be smoothed anew stays as it is.
@@ -38,9 +40,27 @@ pub fn untangle(
     lines: &mut [Option<Polyline>],
     pairs: &[[i128; 2]],
     options: &Options,
+    far: bool,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Crossing>> {
     let mut crossings = find_transversal(mesh, lines)?;
+    loop {
+        crossings = part_pairs(mesh, lines, pairs, options, crossings, observer)?;
+        if !far || !lead_round(mesh, lines, options, &mut crossings, observer)? {
+            return Ok(crossings);
+        }
+    }
+}
+
+/// Takes out crossings of lines that enclose something; returns those that remain.
+fn part_pairs(
+    mesh: &SurfaceMesh,
+    lines: &mut [Option<Polyline>],
+    pairs: &[[i128; 2]],
+    options: &Options,
+    mut crossings: Vec<Crossing>,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Crossing>> {
     let mut left = ATTEMPTS_PER_LINE * lines.len();
     let mut tried: Vec<(usize, [u64; 2])> = Vec::new();
     while !crossings.is_empty() {
@@ -54,7 +74,7 @@ pub fn untangle(
             }
             tried.push(name);
             left -= 1;
-            let Some(changed) = lead(mesh, &points, options, observer)? else { continue };
+            let Some(changed) = lead(mesh, &points, Pinned::Ends, options, observer)? else { continue };
             let before = lines[line].replace(changed);
             let remaining = find_transversal(mesh, lines)?;
             if remaining.len() < crossings.len() {
@@ -69,6 +89,57 @@ pub fn untangle(
         }
     }
     Ok(crossings)
+}
+
+/// Leads one line after another the way that crosses the fewest others; whether any has changed.
+fn lead_round(
+    mesh: &SurfaceMesh,
+    lines: &mut [Option<Polyline>],
+    options: &Options,
+    crossings: &mut Vec<Crossing>,
+    observer: &mut dyn Observer,
+) -> Result<bool> {
+    let mut is_changed = false;
+    let mut opened = None;
+    // Those that have been looked at since the last change.
+    let mut seen = vec![false; lines.len()];
+    loop {
+        let crossed = |line: usize| crossings.iter().filter(|c| c.is_between(line as u32)).count() as u32;
+        let next = (0..lines.len()).filter(|&line| !seen[line]).map(|line| (crossed(line), line));
+        // The one with most crossings first, the lower of equals.
+        let Some((before, line)) = next.max_by_key(|&(count, line)| (count, std::cmp::Reverse(line))) else { break };
+        if before == 0 {
+            break;
+        }
+        seen[line] = true;
+        let net = match opened.take() {
+            Some(known) => known,
+            None => OpenedNet::new(mesh, lines)?,
+        };
+        let own = net.place_of(line);
+        let ends = net.ends(own);
+        let limits = Limits { ignored: Some(own as u32), patch: None, keeps_off: false };
+        let plain = net.map.find_ways(mesh, &net.embedding, ends[0], &[ends[1]], limits, observer)?;
+        let can_do_better = plain[0].as_ref().is_some_and(|way| way.crossings < before);
+        if can_do_better {
+            let limits = Limits { keeps_off: true, ..limits };
+            let ways = net.map.find_ways(mesh, &net.embedding, ends[0], &[ends[1]], limits, observer)?;
+            let total = crossings.len();
+            let is_better = |_: &[Option<Polyline>], left: &[Crossing]| left.len() < total;
+            let remaining = match &ways[0] {
+                Some(way) => follow(mesh, lines, line, way, options, is_better, observer)?,
+                None => None,
+            };
+            if let Some(remaining) = remaining {
+                *crossings = remaining;
+                is_changed = true;
+                seen.fill(false);
+                continue;
+            }
+        }
+        opened = Some(net);
+    }
+    Ok(is_changed)
 }
 
 /// Takes out lines until none cross any more: those stay that cross no shorter one that stays. For nets whose connections
@@ -115,25 +186,6 @@ pub fn find_transversal(mesh: &SurfaceMesh, lines: &[Option<Polyline>]) -> Resul
 fn length_bits(mesh: &SurfaceMesh, points: &[SurfacePoint]) -> u64 {
     let places: Vec<_> = points.iter().map(|point| mesh.position_of(point)).collect();
     crate::polyline::length_of(&places, false).to_bits()
-}
-
-/// The smoothed line along `points`; `None` where it cannot be made.
-fn lead(
-    mesh: &SurfaceMesh,
-    points: &[SurfacePoint],
-    options: &Options,
-    observer: &mut dyn Observer,
-) -> Result<Option<Polyline>> {
-    let pick = |point: &SurfacePoint| Pick::Point { triangle: point.triangle.0.into(), barycentric: point.barycentric };
-    let picks = StrokePoints::Surface(points.iter().map(pick).collect());
-    let mut report = Report::default();
-    let made = join_stroke(mesh, &picks, options, &mut report, observer)
-        .and_then(|route| smooth_input(mesh, Input::new(route, false), None, options, report, observer));
-    match made {
-        Ok((line, ..)) => Ok(Some(line)),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(_) => Ok(None),
-    }
 }
 
 /// What could be changed, for every two lines that have something between them, and every line with a loop.

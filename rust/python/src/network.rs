@@ -10,11 +10,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use pyo3::{PyTraverseError, PyVisit};
 use smooth_polylines_core::connections::Connections;
+use smooth_polylines_core::diagonals::add_diagonals;
 use smooth_polylines_core::embed::DEFAULT_TOLERANCE;
 use smooth_polylines_core::embed::crossings::{Crossing, find_crossings};
 use smooth_polylines_core::network::network;
 use smooth_polylines_core::untangle::{drop_crossing, find_transversal, untangle};
-use smooth_polylines_core::{Options, Pick, Polyline, Result as CoreResult, SurfaceMesh, SurfacePoint};
+use smooth_polylines_core::{
+    Error as CoreError, Options, Pick, Polyline, Result as CoreResult, SurfaceMesh, SurfacePoint,
+};
 
 use crate::border::{LineWatch, Seconds, run_detached};
 use crate::crossings::PyCrossings;
@@ -81,27 +84,30 @@ impl Net {
         watch: &mut LineWatch<'_>,
     ) -> CoreResult<()> {
         let mut lines: Vec<Option<Polyline>> = self.lines.iter().map(|(line, _)| line.clone().ok()).collect();
-        let mut crossings = untangle(mesh, &mut lines, &self.pairs, options, watch)?;
-        let mut stays = vec![true; lines.len()];
-        if is_automatic && !crossings.is_empty() {
-            stays = drop_crossing(mesh, &mut lines)?;
-        }
-        for (slot, line) in self.lines.iter_mut().zip(lines) {
-            if let Some(line) = line {
-                slot.0 = Ok(line);
-            }
-        }
-        let mut keep = stays.iter();
-        self.lines.retain(|_| *keep.next().unwrap_or(&true));
-        let mut keep = stays.iter();
-        self.pairs.retain(|_| *keep.next().unwrap_or(&true));
-        if stays.contains(&false) {
-            let lines: Vec<Option<Polyline>> = self.lines.iter().map(|(line, _)| line.clone().ok()).collect();
+        let mut crossings = untangle(mesh, &mut lines, &self.pairs, options, !is_automatic, watch)?;
+        if is_automatic {
+            let stays = if crossings.is_empty() { vec![true; lines.len()] } else { drop_crossing(mesh, &mut lines)? };
+            keep(&mut self.lines, &stays);
+            keep(&mut self.pairs, &stays);
+            keep(&mut lines, &stays);
+            add_diagonals(mesh, &mut self.pairs, &mut lines, options, watch)?;
             crossings = find_transversal(mesh, &lines)?;
+        }
+        // What could not be made keeps its error; diagonals come last.
+        let mut before = std::mem::take(&mut self.lines).into_iter();
+        for line in lines {
+            let (known, seconds) = before.next().unwrap_or((Err(CoreError::Interrupted), Seconds::default()));
+            self.lines.push((line.map_or(known, Ok), seconds));
         }
         self.crossings = Some(crossings);
         Ok(())
     }
+}
+
+/// Keeps the rows of a list that `stays` says.
+fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
+    let mut stays = stays.iter();
+    list.retain(|_| *stays.next().unwrap_or(&true));
 }
 
 impl PyNetwork {

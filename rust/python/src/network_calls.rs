@@ -33,11 +33,12 @@ impl PySurfaceMesh {
     ///     same and the last with the first. Or those that are neighbours on the surface (the Delaunay graph of the picks,
     ///     by a search from all of them at once), which divide it into patches around them: on a closed surface without
     ///     handles, picks that are well spread give patches of three sides. A line of "automatic" that all the
-    ///     same crosses a shorter one is left out.
+    ///     same crosses a shorter one is left out; patches of five sides and more are divided by their shortest diagonals,
+    ///     whose connections come last.
     /// avoid_crossings : bool, optional
-    ///     Whether lines that share a pick or cross twice are led round each other. None: True for a word, False for
-    ///     an array, whose lines are those of `polyline` to the bit. What still crosses then is forced by the picks, and
-    ///     told in `Network.crossings`.
+    ///     Whether lines are led round each other. None: True for a word, False for an array, whose lines are those of
+    ///     `polyline` to the bit. What still crosses then, told in `Network.crossings`, is forced: as the other lines lie,
+    ///     no way on the surface between the picks of either line steps over fewer of them.
     ///
     /// The other arguments are those of `polyline` and hold for every line.
     ///

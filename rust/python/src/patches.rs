@@ -111,6 +111,12 @@ impl PyPatches {
         self.count_of_sides(4)
     }
 
+    /// Patches that are no discs, for they have a hole or a handle in them: an int.
+    #[getter]
+    fn not_discs(&self) -> usize {
+        self.found.patches.iter().filter(|patch| patch.euler != 1).count()
+    }
+
     fn __len__(&self) -> usize {
         self.found.patches.len()
     }

@@ -28,6 +28,13 @@ pub struct Crossing {
     pub is_transversal: bool,
 }
 
+impl Crossing {
+    /// Whether a line and another one meet here.
+    pub fn is_between(&self, line: u32) -> bool {
+        self.lines.contains(&line) && self.lines[0] != self.lines[1]
+    }
+}
+
 /// All meetings of `lines` with each other and with themselves, but for ends that two lines share; by lines, then along the
 /// first.
 ///
