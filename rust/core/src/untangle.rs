@@ -34,7 +34,7 @@ struct Detour {
 /// are places in `lines`.
 ///
 /// # Errors
-/// [`Error::Interrupted`], and what [`find_crossings`] may raise. A line that cannot be smoothed anew stays as it is.
+/// [`crate::Error::Interrupted`], and what [`find_crossings`] may raise. A line that cannot be smoothed anew stays as it is.
 pub fn untangle(
     mesh: &SurfaceMesh,
     lines: &mut [Option<Polyline>],
