@@ -5,6 +5,8 @@ from collections import Counter
 import pytest
 
 from hostile import made
+from hostile.jobs import Job, jobs_of
+from hostile.judge import Judge
 from hostile.worker import Task, run_task, shared_names
 
 SMALL_SHARED = 6
@@ -31,6 +33,29 @@ def test_lines_on_small_shared_meshes_keep_every_promise():
         judge(Task("shared", i), shared)
 
 
+@pytest.mark.parametrize(
+    ("kind", "seed", "every"),
+    [
+        # A corner was missed where ends of portals lie in one place: lines 1.3 and 0.3 radians bent, and far too long.
+        ("coincident vertices", 5, 11),
+        ("coincident vertices", 2, 1),
+        ("zero area fan", 10, 1),
+        # What vertices are moved apart by was a bend of 1e-8 radians next to short segments.
+        ("zero area fan", 24, 1),
+        # Parting two equal points made the next pair equal.
+        ("zero area fan", 0, 1),
+        ("zero area fan", 5, 1),
+    ],
+)
+def test_geodesics_at_triangles_without_area_are_straight(kind, seed, every):
+    positions, triangles = made.make(kind, seed)
+    judge = Judge(f"{kind} {seed}", positions, triangles)
+    jobs = list(jobs_of(judge.name, triangles, judge.checker.edge_ids, seed, every))
+    records = [judge.record(job) for job in jobs if job.way == "geodesic"]
+    assert len(records) >= 42 // every
+    assert [record for record in records if record["outcome"] == "BROKEN"] == []
+
+
 def test_there_are_five_hundred_meshes_and_they_are_the_same_each_time():
     assert sum(made.COUNTS.values()) == 500
     for kind in made.KINDS:
@@ -41,9 +66,6 @@ def test_there_are_five_hundred_meshes_and_they_are_the_same_each_time():
 
 def test_a_broken_promise_would_be_seen():
     """The judge is no rubber stamp: a line that is told to be pinned elsewhere is found out."""
-    from hostile.jobs import Job
-    from hostile.judge import Judge
-
     positions, triangles = made.make("terrain", 2)
     watch = Judge("terrain", positions, triangles)
     line = watch.mesh.polyline([3, 200], filter="geodesic")

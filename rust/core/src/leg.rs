@@ -131,17 +131,20 @@ impl Leg {
         }
     }
 
-    /// Moves crossing `i` next to a pin that lies within rounding of the crossed edge, where both have the same point.
-    pub fn part_from(&mut self, mesh: &SurfaceMesh, pin: Option<DVec3>, i: usize) {
-        if let (Some(&letter), Some(t)) = (self.word.get(i), self.parameters.get_mut(i)) {
-            if pin == Some(crossing_position(mesh, letter, *t)) {
-                *t = nudged(mesh, letter, *t);
-            }
+    /// Moves crossing `i` next to a pin that lies within rounding of the crossed edge, where both have the same point; tells
+    /// whether it did.
+    pub fn part_from(&mut self, mesh: &SurfaceMesh, pin: Option<DVec3>, i: usize) -> bool {
+        let (Some(&letter), Some(t)) = (self.word.get(i), self.parameters.get_mut(i)) else { return false };
+        let is_equal = pin == Some(crossing_position(mesh, letter, *t));
+        if is_equal {
+            *t = nudged(mesh, letter, *t);
         }
+        is_equal
     }
 
-    /// See [`crate::route::Route::snap_to_vertices`]; `is_ring`: the leg is a closed line without pins.
-    pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh, is_ring: bool) {
+    /// See [`crate::route::Route::snap_to_vertices`]; `is_ring`: the leg is a closed line without pins. Tells whether
+    /// crossings were parted.
+    pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh, is_ring: bool) -> bool {
         for (&h, t) in self.word.iter().zip(&mut self.parameters) {
             let point = crossing_position(mesh, h, *t);
             let [low, high] = mesh.sorted_ends(h);
@@ -151,31 +154,34 @@ impl Leg {
                 *t = 1.0;
             }
         }
-        self.part_equal_points(mesh, is_ring);
+        self.part_equal_points(mesh, is_ring)
     }
 
-    /// Parts neighbouring crossings that have the same point, or puts both on the vertex that their edges share.
-    pub fn part_equal_points(&mut self, mesh: &SurfaceMesh, is_ring: bool) {
+    /// Parts neighbouring crossings that have the same point, or puts both on the vertex that their edges share; tells
+    /// whether there were any.
+    pub fn part_equal_points(&mut self, mesh: &SurfaceMesh, is_ring: bool) -> bool {
         let count = self.word.len();
-        // Neighbouring letters share one end; two equal points on them are within rounding of it, or of vertices that are
-        // within rounding of each other. One parted point can make the next pair equal, hence the further walks.
-        for i in (0..3).flat_map(|_| (1..count).chain(is_ring.then_some(0))) {
+        let mut is_changed = false;
+        for i in (1..count).chain(is_ring.then_some(0)) {
             let j = (i + count - 1) % count;
             let (h, k) = (self.word[j], self.word[i]);
             let (s, t) = (self.parameters[j], self.parameters[i]);
             let is_equal = i != j && crossing_position(mesh, h, s) == crossing_position(mesh, k, t);
             if is_equal && crossing_spot(mesh, h, s) != crossing_spot(mesh, k, t) {
+                // Neighbouring letters share one end; two equal points on them are within rounding of it, or of vertices
+                // that are within rounding of each other.
                 let shared = mesh.ends(h).into_iter().find(|&v| mesh.touches(k, v));
-                if let Some(v) = shared
-                    .filter(|&v| mesh.position(v).distance(crossing_position(mesh, h, s)) < 1e-12 * edge_size(mesh, h))
-                {
+                let near = 1e-12 * edge_size(mesh, h);
+                if let Some(v) = shared.filter(|&v| mesh.position(v).distance(crossing_position(mesh, h, s)) < near) {
                     self.parameters[j] = parameter_at(mesh, h, v);
                     self.parameters[i] = parameter_at(mesh, k, v);
                 } else {
                     self.parameters[i] = nudged(mesh, k, t);
                 }
+                is_changed = true;
             }
         }
+        is_changed
     }
 }
 

@@ -8,6 +8,10 @@ use crate::mesh::SurfaceMesh;
 use crate::spot::join_at;
 use crate::surface_point::SurfacePoint;
 
+/// Walks along a leg that part equal points: nearly always the first finds none, and within triangles without area a few
+/// do where many edges lie on each other.
+const MOST_PARTINGS: u32 = 16;
+
 /// A whole line: pins and the legs between them.
 ///
 /// Open: one leg fewer than pins. Closed: as many legs as pins, the last one back to the first pin; or no pin and one
@@ -37,14 +41,20 @@ impl Route {
 
     /// Changes every leg by `part`, which takes the mesh and whether the leg is a closed line without pins, and parts
     /// the leg's first and last crossing from the pins.
-    fn part_from_pins(&mut self, mesh: &SurfaceMesh, part: impl Fn(&mut Leg, &SurfaceMesh, bool)) {
+    fn part_from_pins(&mut self, mesh: &SurfaceMesh, part: impl Fn(&mut Leg, &SurfaceMesh, bool) -> bool) {
         let is_ring = self.pins.is_empty();
         let pins = self.pins.iter().map(|pin| Some(mesh.position_of(pin))).collect::<Vec<_>>();
         let pin_at = |i: usize| if is_ring { None } else { pins[i % pins.len()] };
         for (i, leg) in self.legs.iter_mut().enumerate() {
-            leg.part_from(mesh, pin_at(i), 0);
-            part(leg, mesh, is_ring);
-            leg.part_from(mesh, pin_at(i + 1), leg.word.len().saturating_sub(1));
+            let last = leg.word.len().saturating_sub(1);
+            for _ in 0..MOST_PARTINGS {
+                let at_start = leg.part_from(mesh, pin_at(i), 0);
+                let between = part(leg, mesh, is_ring);
+                // A parted point can be equal to its other neighbour.
+                if !(leg.part_from(mesh, pin_at(i + 1), last) | at_start | between) {
+                    break;
+                }
+            }
         }
     }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::filter::closed_geodesic::straighten_loop;
-use crate::filter::geodesic::{GeodesicLeg, Workspace};
+use crate::filter::geodesic::{GeodesicLeg, Workspace, cross_straight};
 use crate::ids::VertexId;
 use crate::leg::Leg;
 use crate::loops::OwnRepeats;
@@ -16,6 +16,8 @@ use crate::polyline::{Polyline, length_of};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
 use crate::smooth::go_on;
+use crate::spot::crossing_position;
+use crate::unfold::Unfolding;
 
 /// Rounds that a line of `letters` crossings may take without a limit of the caller's: measured lines take up to 170
 /// rounds for 1 500 crossings (slivers); this is never reached, but it is finite.
@@ -31,6 +33,9 @@ const SETTLED_FALL: f64 = 1e-12;
 /// A crossing this near to an end of its edge, as a share of it, may be where it is by the shaking alone: a hundred times
 /// what a vertex is moved by.
 const SNAP_SHARE: f64 = 1e-9;
+
+/// What the shaking can have moved a crossing by, as a share of its edge, on short edges too.
+const NEAR_SHARE: f64 = 1e-6;
 
 /// Straightens all legs of `route` until each is locally shortest.
 ///
@@ -58,6 +63,7 @@ pub fn smooth_geodesic(
         // Where edges have no length, no angle tells which side of a vertex is better.
         finish = straighten(mesh.shaken(), route, &own_repeats, bounds, work, report, observer)?;
         snap_shaken(mesh, route);
+        straighten_between_vertices(mesh, route);
         // In needles angles are below what double precision can tell: there length is the judge.
         let before = std::mem::replace(&mut length, length_of_route(route));
         if matches!(finish, Finish::Cycling) && length >= before * (1.0 - SETTLED_FALL) {
@@ -108,6 +114,40 @@ fn snap_shaken(mesh: &SurfaceMesh, route: &mut Route) {
                 *t = 0.0;
             } else if *t >= 1.0 - SNAP_SHARE && is_moved(mesh, high) {
                 *t = 1.0;
+            }
+        }
+    }
+}
+
+/// Crossings where the line between two neighbouring vertices of it is straight on the mesh itself: next to short segments
+/// what a vertex was moved by would be a bend that can be seen.
+fn straighten_between_vertices(mesh: &SurfaceMesh, route: &mut Route) {
+    let ends = |i: usize| Some([route.start_pin(i)?, route.end_pin(i)?].map(|pin| mesh.position_of(pin)));
+    let ends: Vec<_> = (0..route.legs.len()).map(ends).collect();
+    let (mut unfolding, mut straight) = (Unfolding::default(), Vec::new());
+    for (leg, ends) in route.legs.iter_mut().zip(ends) {
+        let at_vertex = |i: usize| [0.0, 1.0].contains(&leg.parameters[i]);
+        let bounds: Vec<usize> = (0..leg.word.len()).filter(|&i| at_vertex(i)).collect();
+        let place = |i: usize| crossing_position(mesh, leg.word[i], leg.parameters[i]);
+        // From each vertex to the next, and from and to the pins; of a loop not what runs across its seam.
+        let mut stretches: Vec<_> =
+            bounds.windows(2).map(|pair| (pair[0] + 1..pair[1], place(pair[0]), place(pair[1]))).collect();
+        match (ends, bounds.first(), bounds.last()) {
+            (Some([start, end]), Some(&first), Some(&last)) => {
+                stretches.push((0..first, start, place(first)));
+                stretches.push((last + 1..leg.word.len(), place(last), end));
+            }
+            (Some([start, end]), ..) => stretches.push((0..leg.word.len(), start, end)),
+            (None, ..) => {}
+        }
+        for (letters, start, end) in stretches {
+            straight.clear();
+            unfolding.unfold(mesh, start, &leg.word[letters.clone()], end);
+            cross_straight(mesh, &unfolding, &leg.word[letters.clone()], &mut straight);
+            let is_near = |(t, s): (&f64, &f64)| (t - s).abs() <= NEAR_SHARE;
+            // Across an edge without length the strip unfolds in no one way.
+            if leg.parameters[letters.clone()].iter().zip(&straight).all(is_near) {
+                leg.parameters[letters].copy_from_slice(&straight);
             }
         }
     }

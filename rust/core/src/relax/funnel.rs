@@ -79,9 +79,17 @@ impl Funnel {
     fn shrink(&self, funnel: &mut Span, side: usize, point: DVec2, at: impl Fn(u32) -> DVec2) -> u32 {
         // For the left end: a chain turns left only, and the line to `point` must too. The right end is its mirror image.
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let turn = |a: u32, b: u32| turns(sign, at(b) - at(a), point - at(b));
+        let turn = |last: u32, way_in: Option<DVec2>| way_in.is_none_or(|way| turns(sign, way, point - at(last)));
+        let turn_low = |low: usize, apex: usize| {
+            let last = self.deque[low];
+            turn(last, way_in(at(last), self.deque[low + 1..=apex].iter().map(|&end| at(end))))
+        };
+        let turn_high = |apex: usize, high: usize| {
+            let last = self.deque[high];
+            turn(last, way_in(at(last), self.deque[apex..high].iter().rev().map(|&end| at(end))))
+        };
         if side == 0 {
-            while funnel.low < funnel.apex && !turn(self.deque[funnel.low + 1], self.deque[funnel.low]) {
+            while funnel.low < funnel.apex && !turn_low(funnel.low, funnel.apex) {
                 funnel.low += 1;
             }
             if funnel.low == funnel.apex {
@@ -94,7 +102,7 @@ impl Funnel {
             }
             self.deque[funnel.low]
         } else {
-            while funnel.high > funnel.apex && !turn(self.deque[funnel.high - 1], self.deque[funnel.high]) {
+            while funnel.high > funnel.apex && !turn_high(funnel.apex, funnel.high) {
                 funnel.high -= 1;
             }
             if funnel.high == funnel.apex {
@@ -115,6 +123,13 @@ struct Span {
     low: usize,
     apex: usize,
     high: usize,
+}
+
+/// The way to `here` along a chain, of which the ends before it come last first. Ends that rounding alone parts say nothing
+/// of it: it comes from the last one elsewhere. `None` where there is none, not even the apex.
+fn way_in(here: DVec2, before: impl Iterator<Item = DVec2>) -> Option<DVec2> {
+    let mut ways = before.map(|end| here - end);
+    ways.find(|way| way.abs().max_element() > GRAZE * here.abs().max_element())
 }
 
 /// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
@@ -177,6 +192,30 @@ pub fn shortest_crossings(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ids::VertexId;
+    use crate::unfold::PortalEnd;
+
+    #[test]
+    fn a_corner_is_found_behind_ends_that_go_there_and_back_in_one_line() {
+        // A fan without area: its rim lies in one line, the strip crosses it there and back and then narrows.
+        let rim = [1.5, 2.5, 3.5, 2.5, 1.5, 0.5];
+        let end = |i: usize, y: f64| PortalEnd {
+            at: DVec2::new(0.0, y),
+            vertex: VertexId(i as u32),
+            first: i.saturating_sub(1) as u32,
+            last: if i == 0 { rim.len() as u32 - 1 } else { i as u32 - 1 },
+        };
+        let ends: Vec<_> = std::iter::once(0.0).chain(rim).enumerate().map(|(i, y)| end(i, y)).collect();
+        for mirror in [false, true] {
+            let portals = (1..ends.len() as u32).map(|i| if mirror { [i, 0] } else { [0, i] }).collect();
+            let x = if mirror { -2.0 } else { 2.0 };
+            let (start, end) = (DVec2::new(x, 0.0), DVec2::new(-x, 4.0));
+            let unfolding = Unfolding { ends: ends.clone(), portals, start, end };
+            let mut funnel = Funnel::default();
+            funnel.run(&unfolding);
+            assert_eq!(funnel.corners, [6], "mirrored {mirror}");
+        }
+    }
 
     #[test]
     fn a_portal_is_crossed_where_the_segment_says() {
