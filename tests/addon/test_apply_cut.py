@@ -240,6 +240,37 @@ def test_layers_groups_and_keys_are_those_there_were(done):
     assert [g.name for g in done.grid.vertex_groups] == ["Group 0", "Group 1"]
 
 
+def test_a_new_vertex_carries_what_blenders_own_split_of_the_edge_gives(done):
+    """Every kind of attribute, also INT8, which Blender does not mix: the values of an edge split by Blender alone."""
+    old, cut = done.before, done.before.cut
+    new_of = match_new_vertices(done)
+    count = len(old.values["positions"][1])
+    alone = add_attributed_grid("Alone")
+    edited = bmesh.new()
+    edited.from_mesh(alone.data)
+    edited.verts.ensure_lookup_table()
+    rows = [row for row in range(COLUMNS) if row != 2]  # the third edge is split twice
+    for row in rows:
+        (first, second), t = cut.vertex_edges[row], cut.vertex_parameters[row]
+        if first > second:
+            first, second, t = second, first, 1 - t
+        a, b = edited.verts[int(first)], edited.verts[int(second)]
+        bmesh.utils.edge_split(edited.edges.get((a, b)), a, float(t))
+        edited.verts.ensure_lookup_table()
+    edited.to_mesh(alone.data)
+    edited.free()
+    expected = read_everything(alone)
+    kinds = 0
+    for name, (domain, values) in expected.items():
+        if domain != "POINT" or not is_interpolated(name):
+            continue
+        for place, row in enumerate(rows):
+            vertex = next(v for v, number in new_of.items() if number - count == row)
+            np.testing.assert_array_equal(done.values[name][1][vertex], values[count + place], err_msg=name)
+        kinds += 1
+    assert kinds >= 13
+
+
 def is_interpolated(name):
     return not name.startswith(("vertex select", "vertex hide", "."))
 

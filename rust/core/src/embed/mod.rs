@@ -7,6 +7,7 @@
 pub mod arrangement;
 pub mod crossings;
 pub mod cut;
+pub mod fewest;
 pub mod loops;
 pub mod nodes;
 pub mod polygon_pieces;

@@ -1,12 +1,12 @@
 //! Polygons after the cut: pieces of triangles joined again to as few polygons as there can be.
 //!
 //! A polygon has no hole and no dangling edge. Where a line ends inside a polygon or lies in it whole, sides of the
-//! pieces are kept as extra edges: the fewest that do, tried out up to two for each patch; beyond that, as few as remain
-//! when they are dropped one by one, the longest first. All of them lie inside the polygon's own triangles, so they are
-//! right for concave polygons too. Knows no mesh.
+//! pieces are kept as extra edges: the fewest that do (`fewest`). All of them lie inside the polygon's own triangles, so they
+//! are right for concave polygons too. Knows no mesh.
 
 use std::collections::HashMap;
 
+use super::fewest::find_fewest;
 use super::loops::outline;
 
 /// A polygon and the pieces that it is made of.
@@ -18,14 +18,13 @@ pub struct PolygonPiece {
     pub members: Vec<u32>,
 }
 
-/// Patches with more sides than this are not searched for a best pair of extra edges.
-const MOST_FOR_PAIRS: usize = 64;
-
 /// A side between two triangles.
 #[derive(Clone, Copy, Debug)]
-struct Inner {
-    ends: [u32; 2],
-    between: [u32; 2],
+pub struct Inner {
+    /// The vertices that it joins.
+    pub ends: [u32; 2],
+    /// The triangles.
+    pub between: [u32; 2],
 }
 
 /// Joins the `triangles` of one polygon across every side that is no line. `length` orders extra edges.
@@ -76,7 +75,7 @@ fn find_inner(triangles: &[[u32; 3]], is_line: impl Fn(u32, u32) -> bool) -> Vec
 }
 
 /// Triangles that hang together by the sides that `is_open` (by number) tells, each group in rising order.
-fn group(count: usize, inner: &[Inner], is_open: impl Fn(usize) -> bool) -> Vec<Vec<u32>> {
+pub fn group(count: usize, inner: &[Inner], is_open: impl Fn(usize) -> bool) -> Vec<Vec<u32>> {
     let mut root: Vec<u32> = (0..count as u32).collect();
     fn find(root: &mut [u32], mut t: u32) -> u32 {
         while root[t as usize] != t {
@@ -104,7 +103,8 @@ fn group(count: usize, inner: &[Inner], is_open: impl Fn(usize) -> bool) -> Vec<
     groups
 }
 
-fn outline_of(triangles: &[[u32; 3]], members: &[u32]) -> Option<Vec<u32>> {
+/// The outline of some of the triangles.
+pub fn outline_of(triangles: &[[u32; 3]], members: &[u32]) -> Option<Vec<u32>> {
     outline(&members.iter().map(|&t| triangles[t as usize]).collect::<Vec<_>>())
 }
 
@@ -116,50 +116,12 @@ fn part(triangles: &[[u32; 3]], patch: Vec<u32>, inner: &[Inner]) -> Vec<Polygon
         .iter()
         .filter_map(|side| Some(Inner { between: [local(side.between[0])?, local(side.between[1])?], ..*side }))
         .collect();
-    let attempt = |kept: &[usize]| {
-        let groups = group(own.len(), &sides, |i| !kept.contains(&i));
-        let polygon = |members: Vec<u32>| Some(PolygonPiece { corners: outline_of(&own, &members)?, members });
-        groups.into_iter().map(polygon).collect::<Option<Vec<_>>>()
-    };
-    let count = sides.len();
-    let one = (0..count).find_map(|i| attempt(&[i]));
-    let two = || {
-        let pairs = (0..count).flat_map(|j| (0..j).map(move |i| [i, j])).filter(|_| count <= MOST_FOR_PAIRS);
-        pairs.into_iter().find_map(|pair| attempt(&pair))
-    };
-    let found = one.or_else(two).unwrap_or_else(|| drop_edges(&own, &sides));
+    let found = find_fewest(&own, &sides);
     let back = |piece: PolygonPiece| PolygonPiece {
         members: piece.members.into_iter().map(|t| patch[t as usize]).collect(),
         ..piece
     };
     found.into_iter().map(back).collect()
-}
-
-/// Starts with every triangle by itself and drops sides, the longest first, where a polygon remains.
-fn drop_edges(triangles: &[[u32; 3]], sides: &[Inner]) -> Vec<PolygonPiece> {
-    let mut pieces: Vec<Option<PolygonPiece>> = triangles
-        .iter()
-        .enumerate()
-        .map(|(t, corners)| Some(PolygonPiece { corners: corners.to_vec(), members: vec![t as u32] }))
-        .collect();
-    let mut place: Vec<usize> = (0..triangles.len()).collect();
-    for side in sides.iter().rev() {
-        let (p, q) = (place[side.between[0] as usize], place[side.between[1] as usize]);
-        if p == q {
-            continue;
-        }
-        let members_of = |i: usize| pieces[i].as_ref().map_or(&[][..], |piece| &piece.members);
-        let mut members = [members_of(p), members_of(q)].concat();
-        members.sort_unstable();
-        if let Some(corners) = outline_of(triangles, &members) {
-            for &t in &members {
-                place[t as usize] = p;
-            }
-            pieces[p] = Some(PolygonPiece { corners, members });
-            pieces[q] = None;
-        }
-    }
-    pieces.into_iter().flatten().collect()
 }
 
 #[cfg(test)]
