@@ -25,7 +25,7 @@ struct Search<'a> {
 }
 
 /// Parts a patch of `triangles`, which is no polygon, by as few of its inner `sides` as there can be, preferring those that come
-/// first. Where [`MOST_TRIALS`] are not enough to be sure, by as few as could be found.
+/// first. Where `MOST_TRIALS` are not enough to be sure, by as few as could be found.
 pub fn find_fewest(triangles: &[[u32; 3]], sides: &[Inner]) -> Vec<PolygonPiece> {
     search(triangles, sides).0
 }
