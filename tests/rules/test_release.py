@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import shutil
+import subprocess
 import tomllib
 from pathlib import Path
 
@@ -83,3 +84,47 @@ def test_workflow_is_yaml_whose_jobs_wait_for_each_other():
     assert jobs["publish"]["if"] == "startsWith(github.ref, 'refs/tags/')"
     for job in jobs.values():
         assert all("uses" in step or "run" in step for step in job["steps"])
+
+
+def list_commands():
+    """Every command of the workflow, on one line each."""
+    yaml = pytest.importorskip("yaml")
+    steps = [step for job in yaml.safe_load(WORKFLOW)["jobs"].values() for step in job["steps"] if "run" in step]
+    return [line.strip() for step in steps for line in step["run"].splitlines() if line.strip()]
+
+
+def test_commands_of_the_workflow_are_those_that_make_runs_here():
+    """Under Windows there is no make: the workflow must call what `make repository` calls, option for option."""
+    makefile = (REPOSITORY / "Makefile").read_text(encoding="utf-8").replace("\\\n", " ")
+    known = {word for line in makefile.splitlines() if line.startswith("\t") for word in line.split()}
+    linux = re.search(r"^RELEASE_OPTIONS := .*,(--zig[^)]*)\)", makefile, flags=re.MULTILINE)[1]
+    compared = 0
+    for command in list_commands():
+        tool = re.match(r"(?:python3? )?(maturin|abi3audit|blender_scripts/[\w.]+)", command)
+        if tool is None or tool[1].endswith("check_release.py"):  # which the tests above run
+            continue
+        compared += 1
+        assert any(word.endswith(tool[1]) for word in known), command
+        lines = [line for line in makefile.splitlines() if line.startswith("\t") and f"{tool[1]} " in line]
+        options = [re.findall(r"--[\w-]+", line.split(tool[1])[-1]) for line in lines]
+        assert re.findall(r"--[\w-]+", command) in options, command
+    assert compared == 4
+    assert f'options="{linux}"' in WORKFLOW
+
+
+def test_what_the_workflow_installs_is_pinned_and_its_shell_lines_are_shell():
+    pinned = {
+        re.split(r"[=<>! ]", line)[0]
+        for name in ("requirements-dev.txt", "requirements-release.txt")
+        for line in (REPOSITORY / name).read_text().splitlines()
+        if not line.startswith("#")
+    }
+    installs = [command for command in list_commands() if "pip install" in command and "--no-index" not in command]
+    assert len(installs) == 3
+    for command in installs:
+        assert re.search(r" -[rc] requirements-(dev|release)\.txt", command), command
+        words = command.split(".txt", 1)[1].split()
+        assert set(words) <= pinned, command
+    script = re.sub(r"\$\{\{.*?\}\}", "x", "\n".join(list_commands()))
+    done = subprocess.run(["bash", "-n"], input=script, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
