@@ -6,9 +6,9 @@ Holds no logic. Scripts find theirs in `session.add_polyline`.
 
 import bpy
 
-from . import draw_tool, live, menus, operators, panels, surface
+from . import draw_tool, live, menus, operators, panels, preferences, surface
 
-CLASSES = (*live.CLASSES, *operators.CLASSES, *draw_tool.CLASSES, *panels.CLASSES)
+CLASSES = (*preferences.CLASSES, *live.CLASSES, *operators.CLASSES, *draw_tool.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:

@@ -13,6 +13,10 @@ class LibraryError(AddonError):
     """The wheel `smooth_polylines` is missing, broken or of another version."""
 
 
+class LimitError(AddonError):
+    """It took longer than the preferences allow."""
+
+
 class ObjectError(AddonError):
     """The object cannot be used: not a mesh, linked, flattened, without visible faces."""
 

@@ -12,11 +12,11 @@ from typing import Any
 
 import bpy
 
-from . import native
+from . import ahead, native
 from .errors import AddonError
 
 # What must end the process or the run as its sender meant it.
-PASSED_ON = (KeyboardInterrupt, SystemExit, GeneratorExit)
+PASSED_ON = (KeyboardInterrupt, SystemExit, GeneratorExit, ahead.NotYet)
 
 
 def run_guarded(operator: Any, work: Callable[[], None]) -> set[str]:

@@ -9,6 +9,7 @@ import textwrap
 import bpy
 
 from . import line_data, settings
+from .draw_tool.edit_picks import VIEW3D_OT_smooth_polyline_edit_picks
 from .draw_tool.operator import VIEW3D_OT_smooth_polyline_draw
 from .live import memory
 from .operators.change_line import CURVE_OT_smooth_polyline_update, OBJECT_OT_smooth_polyline_change_output
@@ -34,12 +35,13 @@ class CurvePanel:
         line_object = context.object
         known, output = memory.find_memory(line_object), line_data.get_output(line_object.data)
         layout = self.layout
+        row = layout.row()
+        kind = VIEW3D_OT_smooth_polyline_edit_picks
         if context.space_data.type == "VIEW_3D":
-            row = layout.row()
             # Not in the sidebar, which has no view.
             row.operator_context = "INVOKE_REGION_WIN"
-            edit = row.operator(VIEW3D_OT_smooth_polyline_draw.bl_idname, text="Edit Picks", icon="GREASEPENCIL")
-            edit.curve = line_object.name
+            kind = VIEW3D_OT_smooth_polyline_draw
+        row.operator(kind.bl_idname, text="Edit Picks", icon="GREASEPENCIL").curve = line_object.name
         # A pointer that lost its object is no state that anything could have written down.
         state, message = known.state, known.message
         if memory.is_mesh_gone(known):

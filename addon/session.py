@@ -13,7 +13,18 @@ import numpy as np
 
 import bpy
 
-from . import curve_write, line_data, line_points, mesh_read, native, selection, settings, surface, surface_offset
+from . import (
+    ahead,
+    curve_write,
+    line_data,
+    line_points,
+    mesh_read,
+    native,
+    selection,
+    settings,
+    surface,
+    surface_offset,
+)
 from .errors import ObjectError
 from .live import memory, shape
 
@@ -65,7 +76,10 @@ def compute_polyline(
     arrays = opened.arrays
     if detail_size is not None:
         line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(arrays.world_matrix)
-    return ComputedPolyline(opened.library_mesh.polyline(ordered_picks, **line_options), ordered_picks, arrays)
+    line = ahead.do(
+        lambda: ordered_picks, lambda chosen, stops: opened.library_mesh.polyline(chosen, **line_options, **stops)
+    )
+    return ComputedPolyline(line, ordered_picks, arrays)
 
 
 def find_evaluated_picks(mesh_object: bpy.types.Object, picks: Sequence[Any], opened: surface.Surface) -> list[Any]:

@@ -14,7 +14,7 @@ import numpy as np
 
 import bpy
 
-from . import mesh_read, native
+from . import ahead, mesh_read, native
 
 # Opened meshes that are kept; a scan of a million triangles takes some 200 MB.
 MOST_SURFACES = 3
@@ -54,10 +54,11 @@ def open_surface(
 
     Raises ObjectError, LibraryError, or the library's `smooth_polylines.Error`.
     """
-    found = find_or_read(context, mesh_object, source=source, with_normals=with_normals)
-    if isinstance(found, Surface):
-        return found
-    return keep_surface(found, make_ready(found))
+
+    def make(found: Surface | Reading, _options: dict[str, Any]) -> Surface:
+        return found if isinstance(found, Surface) else keep_surface(found, make_ready(found))
+
+    return ahead.do(lambda: find_or_read(context, mesh_object, source=source, with_normals=with_normals), make)
 
 
 def find_or_read(

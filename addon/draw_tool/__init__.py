@@ -6,9 +6,13 @@ which samples of a stroke become picks; `view` where on the surface and on the s
 Holds nothing but what must be registered.
 """
 
-from . import drawing, operator, tool
+from . import drawing, edit_picks, operator, tool
 
-CLASSES = (operator.VIEW3D_OT_smooth_polyline_draw, tool.VIEW3D_PT_smooth_polyline_tool)
+CLASSES = (
+    operator.VIEW3D_OT_smooth_polyline_draw,
+    edit_picks.VIEW3D_OT_smooth_polyline_edit_picks,
+    tool.VIEW3D_PT_smooth_polyline_tool,
+)
 
 
 def register() -> None:

@@ -18,6 +18,7 @@ from ..live import memory
 from . import overlay, view
 from .canvas import SurfaceCanvas, make_pick
 from .gestures import Gestures, Input, Mode, forget_hint
+from .hidden_curve import HiddenCurve
 from .opening import Opening
 from .sketch import Sketch, SketchPick, SketchState
 
@@ -53,7 +54,7 @@ class Drawing:
         self.lines: list[Any] = []  # of the library: the line, then its mirrors
         self.made_with: dict[str, Any] = {}  # the options of those lines
         self.length, self.message, self.hint = 0.0, "", ""
-        self.was_selected = False  # the curve that is edited
+        self.hidden = HiddenCurve()  # the curve that is edited
         self.is_moved = False  # something of the mesh may have changed
         self.update_milliseconds: list[float] = []
         self.opening_milliseconds = 0.0
@@ -141,21 +142,10 @@ class Drawing:
             running.remove(self)
             bpy.app.handlers.depsgraph_update_post.remove(self.on_update)
             self.workspace.status_text_set(None)
-            self.show_edited(True)
+            self.hidden.show()
             if any(area == self.area for area in self.window.screen.areas):
                 self.area.header_text_set(None)
             self.tag_redraw()
-
-    def show_edited(self, is_shown: bool) -> None:
-        """Show the curve that is edited, or hide it while the line is drawn in its place."""
-        edited = bpy.data.objects.get(self.curve_name)
-        if edited is None or edited.hide_get() != is_shown:
-            return
-        if not is_shown:
-            self.was_selected = edited.select_get()
-        edited.hide_set(not is_shown)
-        if is_shown:
-            edited.select_set(self.was_selected)
 
     # --- the surface
 

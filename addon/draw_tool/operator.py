@@ -188,7 +188,7 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
                 opening.surface.arrays.world_matrix
             )
             drawing.recall(data, size)
-            drawing.show_edited(False)
+            drawing.hidden.hide(self.curve)
         drawing.update()
         for given in waiting:
             drawing.gestures.take(given)
@@ -285,7 +285,7 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
         lines += [[(p.triangle, p.barycentric) for p in picks] for picks in drawing.list_mirrored_picks()]
         self.lines, self.surface, self.source = json.dumps(lines), drawing.mesh_name, drawing.source
         self.filter, self.closed, self.pinned = state.filter, state.is_closed, "ALL"
-        drawing.show_edited(True)
+        drawing.hidden.show()
         self.detail_size = state.detail_size / mesh_read.measure_mean_scale(drawing.opened.arrays.world_matrix)
         return self.execute(context)
 

@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import guard, session
+from .. import ahead, guard, session
 from . import memory, shape
 
 
@@ -39,6 +39,12 @@ HANDLERS = ((bpy.app.handlers.frame_change_post, on_frame), (bpy.app.handlers.de
 
 def follow_all(depsgraph: bpy.types.Depsgraph, changed: set[int] | None) -> None:
     """Follow every curve that remembers, where its mesh is among `changed` (None: whatever it is)."""
+    with ahead.at_work(None):
+        follow_each(depsgraph, changed)
+
+
+def follow_each(depsgraph: bpy.types.Depsgraph, changed: set[int] | None) -> None:
+    """The same, whatever called the handler."""
     for curve in list(memory.list_remembering()):
         known = memory.get_memory(curve)
         mesh_object = known.surface

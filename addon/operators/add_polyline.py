@@ -7,6 +7,7 @@ Holds no logic of its own; the properties are those of `settings`.
 import bpy
 
 from .. import active, guard, selection, session, settings
+from .interruptible import Interruptible
 
 NOT_CONVERGED = {
     "cycle": "the line came back to an earlier state; the last one is kept",
@@ -14,7 +15,7 @@ NOT_CONVERGED = {
 }
 
 
-class MESH_OT_smooth_polyline_add(settings.NewLineSettings, bpy.types.Operator):
+class MESH_OT_smooth_polyline_add(Interruptible, settings.NewLineSettings, bpy.types.Operator):
     """Add a smooth curve on the surface, through the faces in the order they were picked"""
 
     bl_idname = "mesh.smooth_polyline_add"

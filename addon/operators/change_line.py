@@ -6,9 +6,10 @@ from bpy.props import EnumProperty
 
 from .. import active, change_output, guard, line_data, session
 from ..live import memory
+from .interruptible import Interruptible
 
 
-class CURVE_OT_smooth_polyline_update(bpy.types.Operator):
+class CURVE_OT_smooth_polyline_update(Interruptible, bpy.types.Operator):
     """Make the line again by its settings, on the mesh as it is now"""
 
     bl_idname = "curve.smooth_polyline_update"

@@ -7,6 +7,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from .. import guard, session, settings
 from ..seams import choose, put, report
 from ..seams import settings as seam_settings
+from .interruptible import Interruptible
 
 SOURCES = (
     ("AUTO", "Automatic", "Picked faces where there are any in Edit Mode, else the selected curves"),
@@ -16,6 +17,7 @@ SOURCES = (
 
 
 class MESH_OT_smooth_polyline_seam(
+    Interruptible,
     seam_settings.PutSettings,
     settings.LineSettings,
     bpy.types.Operator,

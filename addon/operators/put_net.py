@@ -7,6 +7,7 @@ from bpy.props import BoolProperty, EnumProperty
 from .. import active, guard, settings
 from ..seams import nets, report
 from ..seams import settings as seam_settings
+from .interruptible import Interruptible
 
 CONNECTIONS = (
     ("AUTOMATIC", "Automatic", "Picks that are neighbours on the surface: patches lie around the picks"),
@@ -22,6 +23,7 @@ OUTPUTS = (
 
 
 class MESH_OT_smooth_polyline_net(
+    Interruptible,
     seam_settings.PutSettings,
     settings.LineSettings,
     bpy.types.Operator,

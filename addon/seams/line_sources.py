@@ -11,7 +11,7 @@ import numpy as np
 
 import bpy
 
-from .. import mesh_read, session, surface
+from .. import ahead, mesh_read, session, surface
 from ..errors import ObjectError
 from ..live import memory
 from . import strokes
@@ -97,7 +97,10 @@ def project(
     options = {**(line_options or {"filter": "geodesic", "pinned": "all"}), "closed": closed}
     if options.get("detail_size") is not None:
         options["detail_size"] *= mesh_read.measure_mean_scale(opened.arrays.world_matrix)
-    line = opened.library_mesh.stroke(np.asarray(points, dtype=np.float64), **options)
+    line = ahead.do(
+        lambda: np.asarray(points, dtype=np.float64),
+        lambda drawn, stops: opened.library_mesh.stroke(drawn, **options, **stops),
+    )
     diagonal = float(np.linalg.norm(np.ptp(opened.arrays.world_positions, axis=0)))
     limit = LARGEST_DISTANCE * diagonal if max_distance is None else max_distance
     if line.report.stroke_distance > limit:

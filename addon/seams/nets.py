@@ -13,7 +13,7 @@ import numpy as np
 
 import bpy
 
-from .. import mesh_read, selection, session, surface
+from .. import ahead, mesh_read, selection, session, surface
 from ..errors import AddonError, ObjectError
 from . import edge_marks, edit, put
 from . import unwrap as unwrapping
@@ -82,18 +82,19 @@ def put_net_into_mesh(
     picked = read_picks(mesh_object, joined) if picks is None else list(picks)
     if detail_size is not None:
         line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(opened.arrays.world_matrix)
-    net = opened.library_mesh.network(picked, joined, **line_options)
+    net = make_network(opened, picked, joined, line_options)
     forced = len(net.crossings)
     made_nodes = 0
     if crossings_as_nodes and forced:
         picked, joined = net.crossing_nodes()
-        net = opened.library_mesh.network(picked, joined, avoid_crossings=True, **line_options)
+        net = make_network(opened, picked, joined, {"avoid_crossings": True, **line_options})
         made_nodes, forced = forced, len(net.crossings)
     errors = [error for error in net.errors if error is not None]
     made = [line for line in net.lines if line is not None]
     if not made:
         raise errors[0] if errors else ObjectError("The picks are joined by no line; pick at least two")
-    patches = net.patches() if tolerance is None else net.patches(tolerance=tolerance)
+    within = {} if tolerance is None else {"tolerance": tolerance}
+    patches = ahead.do(lambda: net, lambda whole, _stops: whole.patches(**within))
     with edit.leave_edit_mode(mesh_object, True):
         lines, face_patches = cut_net(mesh_object, opened, patches, made)
         put.set_marks(mesh_object, lines.edges, chosen, weight)
@@ -112,6 +113,13 @@ def put_net_into_mesh(
         crossings_as_nodes=made_nodes,
         errors=errors,
         connections=np.array(net.connections),
+    )
+
+
+def make_network(opened: surface.Surface, picks: Sequence[Any], joined: Any, options: dict[str, Any]) -> Any:
+    """The library's network of lines between picks."""
+    return ahead.do(
+        lambda: picks, lambda chosen, stops: opened.library_mesh.network(chosen, joined, **options, **stops)
     )
 
 

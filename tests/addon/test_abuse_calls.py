@@ -195,6 +195,7 @@ NEED_NO_LIBRARY = {
     "mesh.smooth_polyline_copy_marks",
     "mesh.smooth_polyline_mirror_marks",
     "object.smooth_polyline_change_output",
+    "view3d.smooth_polyline_edit_picks",
 }
 
 
