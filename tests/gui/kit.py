@@ -72,6 +72,23 @@ def in_view():
     return bpy.context.temp_override(window=get_window(), area=area, region=region)
 
 
+def empty_scene():
+    """Delete all objects; in Object Mode."""
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+
+
+def begin_drawing(message, *, view_selected=False):
+    """See all from the front, or what is selected; an undo step of that name; the draw tool."""
+    bpy.ops.view3d.view_axis(type="FRONT")
+    if view_selected:
+        bpy.ops.view3d.view_selected()
+    else:
+        bpy.ops.view3d.view_all()
+    bpy.ops.ed.undo_push(message=message)
+    bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
+
+
 def project(place):
     """Pixels of the window for a place in world space."""
     area, region = find_view()

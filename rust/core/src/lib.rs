@@ -39,6 +39,7 @@ pub mod patches;
 pub mod polygons;
 pub mod polyline;
 pub mod ray_cast;
+pub mod regions;
 pub mod relax;
 pub mod remake;
 pub mod report;

@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::ids::TriangleId;
 use crate::mesh::SurfaceMesh;
 use crate::polyline::{Polyline, length_of};
+use crate::regions::Regions;
 use crate::report::{Observer, Step};
 use crate::spot::in_triangle;
 use crate::surface_point::SurfacePoint;
@@ -121,7 +122,7 @@ impl Opened {
         let span = goals.iter().map(|&goal| place(goal).distance(place(from))).fold(0.0, f64::max);
         let clearance = if limits.keeps_off { self.clearance(limits, observer)? } else { Vec::new() };
         let weight = |t: u32| clearance.get(t as usize).map_or(1.0, |distance| 1.0 + CLEARANCE * span / distance);
-        let fan = |v: u32| self.fans.get(&v).map_or(&[][..], Vec::as_slice).iter().copied();
+        let fan = |v: u32| self.fan(v).iter().copied();
         let mut wanted: HashMap<u32, u32> = HashMap::new();
         goals.iter().flat_map(|&goal| fan(goal)).for_each(|t| *wanted.entry(t).or_default() += 1);
         let mut best = vec![((u32::MAX, f64::INFINITY), 0); self.triangles.len()];
@@ -154,7 +155,7 @@ impl Opened {
                 else {
                     continue;
                 };
-                let over = self.lines_over(t, h.side() as usize, limits.ignored);
+                let over = self.count_over(t, h.side() as usize, limits.ignored);
                 if over > 0 && limits.patch.is_some() {
                     continue;
                 }
@@ -209,15 +210,28 @@ impl Opened {
         Ok(found)
     }
 
-    /// How many lines lie along a side, less the one that counts for nothing.
-    fn lines_over(&self, t: u32, side: usize, ignored: Option<u32>) -> u32 {
+    /// The regions between the lines. Cost: O(triangles).
+    pub fn regions(&self) -> Regions {
+        Regions::new(&self.adjacency, self.triangles.len(), |t, side| self.lines_along(t, side))
+    }
+
+    /// The triangles round a vertex on a line.
+    pub fn fan(&self, v: u32) -> &[u32] {
+        self.fans.get(&v).map_or(&[][..], Vec::as_slice)
+    }
+
+    fn lines_along(&self, t: u32, side: usize) -> &[u32] {
         let corners = self.triangles[t as usize];
         let [a, b] = [corners[side], corners[(side + 1) % 3]];
         if !self.is_on_line[a as usize] || !self.is_on_line[b as usize] {
-            return 0;
+            return &[];
         }
-        let owners = self.lines.get(&[a.min(b), a.max(b)]).map_or(&[][..], Vec::as_slice);
-        owners.iter().filter(|&&line| Some(line) != ignored).count() as u32
+        self.lines.get(&[a.min(b), a.max(b)]).map_or(&[][..], Vec::as_slice)
+    }
+
+    /// How many lines lie along a side, less the one that counts for nothing.
+    fn count_over(&self, t: u32, side: usize, ignored: Option<u32>) -> u32 {
+        self.lines_along(t, side).iter().filter(|&&line| Some(line) != ignored).count() as u32
     }
 
     fn way(

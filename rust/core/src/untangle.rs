@@ -112,17 +112,19 @@ fn lead_round(
             break;
         }
         seen[line] = true;
-        let net = match opened.take() {
+        let (net, regions) = match opened.take() {
             Some(known) => known,
-            None => OpenedNet::new(mesh, lines)?,
+            None => {
+                let net = OpenedNet::new(mesh, lines)?;
+                let regions = net.map.regions();
+                (net, regions)
+            }
         };
         let own = net.place_of(line);
         let ends = net.ends(own);
-        let limits = Limits { ignored: Some(own as u32), patch: None, keeps_off: false };
-        let plain = net.map.find_ways(mesh, &net.embedding, ends[0], &[ends[1]], limits, observer)?;
-        let can_do_better = plain[0].as_ref().is_some_and(|way| way.crossings < before);
-        if can_do_better {
-            let limits = Limits { keeps_off: true, ..limits };
+        let fewest = regions.fewest_between(net.map.fan(ends[0]), net.map.fan(ends[1]), own as u32);
+        if fewest.is_some_and(|count| count < before) {
+            let limits = Limits { ignored: Some(own as u32), patch: None, keeps_off: true };
             let ways = net.map.find_ways(mesh, &net.embedding, ends[0], &[ends[1]], limits, observer)?;
             let total = crossings.len();
             let is_better = |_: &[Option<Polyline>], left: &[Crossing]| left.len() < total;
@@ -137,7 +139,7 @@ fn lead_round(
                 continue;
             }
         }
-        opened = Some(net);
+        opened = Some((net, regions));
     }
     Ok(is_changed)
 }

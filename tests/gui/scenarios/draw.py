@@ -7,9 +7,11 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from kit import (
+    begin_drawing,
     bpy,
     click,
     drag,
+    empty_scene,
     get_window,
     in_view,
     move,
@@ -40,13 +42,9 @@ def scenario():
         return drawings.running[0]
 
     with in_view():
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         bpy.ops.mesh.primitive_monkey_add()
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_all()
-        bpy.ops.ed.undo_push(message="Suzanne")
-        bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
+        begin_drawing("Suzanne")
     yield from until_redrawn()
     before = count_data()
 

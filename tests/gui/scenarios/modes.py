@@ -11,8 +11,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import numpy as np
 from kit import (
+    begin_drawing,
     bpy,
     click,
+    empty_scene,
     find_view,
     in_view,
     move,
@@ -40,13 +42,9 @@ def start_over(*objects):
     with in_view():
         if bpy.context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         made = [make() for make in objects]
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_all()
-        bpy.ops.ed.undo_push(message="Start")
-        bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
+        begin_drawing("Start")
     yield from until_redrawn()
     return made
 

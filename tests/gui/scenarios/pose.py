@@ -7,7 +7,22 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 import numpy as np
-from kit import bpy, click, draw, find_view, in_view, move, play, press, project, shoot, tell, until_redrawn
+from kit import (
+    begin_drawing,
+    bpy,
+    click,
+    draw,
+    empty_scene,
+    find_view,
+    in_view,
+    move,
+    play,
+    press,
+    project,
+    shoot,
+    tell,
+    until_redrawn,
+)
 
 drawings = importlib.import_module("bl_ext.user_default.smooth_polylines.draw_tool.drawing")
 
@@ -71,15 +86,11 @@ def add_arm():
 def scenario():
     yield from until_redrawn()
     with in_view():
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         add_arm()
         bpy.context.scene.frame_set(1)
         bpy.ops.object.select_all(action="DESELECT")
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_all()
-        bpy.ops.ed.undo_push(message="Arm")
-        bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
+        begin_drawing("Arm")
     find_view()[0].spaces.active.overlay.show_floor = False
     yield from until_redrawn()
     stroke = [project((x, -0.4, 0.22 * np.sin(2.2 * x))) for x in np.linspace(-1.7, 1.7, 60)]
@@ -109,8 +120,7 @@ def scenario():
 
     # A head with the symmetry on: both sides at once.
     with in_view():
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         for left in list(bpy.data.objects):
             bpy.data.objects.remove(left)
         bpy.ops.mesh.primitive_monkey_add()

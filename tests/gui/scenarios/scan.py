@@ -15,10 +15,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 import numpy as np
 from kit import (
     add_mesh,
+    begin_drawing,
     bpy,
     click,
     drag,
     draw,
+    empty_scene,
     get_window,
     in_view,
     move,
@@ -42,13 +44,9 @@ def scenario():
     drawings = importlib.import_module(f"{EXTENSION}.draw_tool.drawing")
     surface = importlib.import_module(f"{EXTENSION}.surface")
     with in_view():
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         scan = add_mesh("Scan")
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_all()
-        bpy.ops.ed.undo_push(message="Scan")
-        bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
+        begin_drawing("Scan")
     matrix, corners = np.array(scan.matrix_world), np.array(scan.bound_box)
     low, high = corners.min(axis=0), corners.max(axis=0)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from kit import bpy, click, find_view, in_view, play, press, project, send, shoot, tell, until_redrawn
+from kit import bpy, click, empty_scene, find_view, in_view, play, press, project, send, shoot, tell, until_redrawn
 
 import bmesh
 
@@ -32,8 +32,7 @@ def type_text(text):
 def scenario():
     yield from until_redrawn()
     with in_view():
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         bpy.ops.mesh.primitive_monkey_add()
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_mode(type="FACE")

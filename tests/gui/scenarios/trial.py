@@ -11,10 +11,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 import numpy as np
 from kit import (
     FOLDER,
+    begin_drawing,
     bpy,
     click,
     drag,
     draw,
+    empty_scene,
     find_view,
     get_window,
     in_view,
@@ -68,15 +70,11 @@ def set_picks(places):
 def scenario():
     yield from until_redrawn()
     with in_view():
-        bpy.ops.object.select_all(action="SELECT")
-        bpy.ops.object.delete()
+        empty_scene()
         bpy.ops.mesh.primitive_monkey_add()
         bpy.ops.object.shade_smooth()
         bpy.context.object.modifiers.new("Subdivision", "SUBSURF").levels = 2
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_selected()
-        bpy.ops.ed.undo_push(message="Suzanne")
-        bpy.ops.wm.tool_set_by_id(name="smooth_polylines.draw")
+        begin_drawing("Suzanne", view_selected=True)
     find_view()[0].spaces.active.overlay.show_floor = False
     yield from until_redrawn()
     shoot("1_start")
