@@ -15,44 +15,7 @@ SECONDS = 300
 
 sys.path.insert(0, str(BATCH.parent))
 
-# Lines that every mesh of `make_bumpy` can carry, near places on the unit sphere.
-LINES = [
-    {
-        "name": "across",
-        "filter": "geodesic",
-        "picks": [{"point": [-1, 0, 0]}, {"point": [0, 0, 1]}, {"point": [1, 0, 0]}],
-    },
-    {
-        "name": "ring",
-        "filter": "fair",
-        "closed": True,
-        "pinned": "all",
-        "picks": [{"point": [1, 0, 0]}, {"point": [0, 1, 0]}, {"point": [-1, -0.2, 0]}, {"point": [0, -1, 0.1]}],
-    },
-]
-
-
-def make_bumpy(size, seed):
-    """A closed bumpy sphere about the unit sphere: positions and triangles, 2 * size * (size - 1) of them."""
-    rng = np.random.default_rng(seed)
-    a, b, c = rng.integers(2, 6, 3)
-    theta = np.pi * np.arange(1, size) / size
-    phi = 2 * np.pi * np.arange(size) / size
-    t, p = np.meshgrid(theta, phi, indexing="ij")
-    radius = 1 + 0.05 * np.sin(a * t) * np.cos(b * p) + 0.03 * np.sin(c * p)
-    rows = np.stack([radius * np.sin(t) * np.cos(p), radius * np.sin(t) * np.sin(p), radius * np.cos(t)], axis=-1)
-    positions = np.vstack([rows.reshape(-1, 3), [[0, 0, 1.0], [0, 0, -1.0]]])
-    top, bottom = len(positions) - 2, len(positions) - 1
-    triangles = []
-    for j in range(size):
-        k = (j + 1) % size
-        triangles.append((top, j, k))
-        last = (size - 2) * size
-        triangles.append((bottom, last + k, last + j))
-        for i in range(size - 2):
-            x, y = i * size, (i + 1) * size
-            triangles += [(x + j, y + j, y + k), (x + j, y + k, x + k)]
-    return positions, np.array(triangles)
+from bumpy_spheres import LINES, make_bumpy, write_stl  # noqa: E402  isort: skip
 
 
 def write_ply(path, positions, triangles):
@@ -72,13 +35,6 @@ def write_obj(path, positions, triangles):
     rows = [f"v {x!r} {y!r} {z!r}" for x, y, z in positions.tolist()]
     rows += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles.tolist()]
     path.write_text("\n".join(rows) + "\n")
-
-
-def write_stl(path, positions, triangles):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    table = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    table["corners"] = positions[triangles]
-    path.write_bytes(b"".ljust(80) + np.array([len(triangles)], dtype="<u4").tobytes() + table.tobytes())
 
 
 WRITERS = {".ply": write_ply, ".obj": write_obj, ".stl": write_stl}
