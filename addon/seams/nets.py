@@ -65,7 +65,8 @@ def put_net_into_mesh(
     marks, weight, tolerance, unwrap : as of `put.put_lines_into_mesh`
     crossings_as_nodes : crossings that are left become picks, and the lines are made again from one to the next
     detail_size : of the filter "fair", in the object's units
-    line_options : as the library's `SurfaceMesh.network` takes them: filter, pinned, threshold, ...
+    line_options : as the library's `SurfaceMesh.network` takes them: filter, pinned, threshold, ...; avoid_crossings is
+        True unless told otherwise, also for pairs: crossings that are left are forced
 
     Raises AddonError, or the library's `smooth_polylines.Error`; the mesh is as it was then. A line that cannot be made
     is left out and told in `errors`, unless none can.
@@ -82,12 +83,13 @@ def put_net_into_mesh(
     picked = read_picks(mesh_object, joined) if picks is None else list(picks)
     if detail_size is not None:
         line_options["detail_size"] = detail_size * mesh_read.measure_mean_scale(opened.arrays.world_matrix)
+    line_options.setdefault("avoid_crossings", True)
     net = make_network(opened, picked, joined, line_options)
     forced = len(net.crossings)
     made_nodes = 0
     if crossings_as_nodes and forced:
         picked, joined = net.crossing_nodes()
-        net = make_network(opened, picked, joined, {"avoid_crossings": True, **line_options})
+        net = make_network(opened, picked, joined, line_options)
         made_nodes, forced = forced, len(net.crossings)
     errors = [error for error in net.errors if error is not None]
     made = [line for line in net.lines if line is not None]

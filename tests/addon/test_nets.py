@@ -73,20 +73,39 @@ def test_an_automatic_net_parts_a_ball_into_triangles(scene, nets, kind):
 def test_crossings_that_are_forced_can_become_nodes(scene, nets):
     for as_nodes in (False, True):
         grid = add_grid(8, 8, name=f"Grid {as_nodes}")
-        # Both diagonals of a square.
+        # All pairs of five: the complete graph of five cannot be drawn in the plane.
         done = nets.put_net_into_mesh(
             bpy.context,
             grid,
-            [0, 7, 63, 56],
-            connections=[[0, 2], [1, 3]],
+            [9, 14, 54, 49, 44],
+            connections="ALL",
             filter="geodesic",
             crossings_as_nodes=as_nodes,
         )
         check_patches(grid.data, done)
         assert (done.crossings, done.crossings_as_nodes) == ((0, 1) if as_nodes else (1, 0))
-        assert len(done.connections) == (4 if as_nodes else 2)
+        assert len(done.connections) == (12 if as_nodes else 10)
+        # Four lines meet in each pick, and in the crossing.
         ends = np.bincount([v for e in done.lines.edges for v in grid.data.edges[e].vertices])
-        assert np.count_nonzero(ends == 4) == 1
+        assert np.count_nonzero(ends == 4) == 6
+
+
+def test_crossings_that_are_not_forced_are_gone_round_unless_told_otherwise(scene, nets):
+    for avoids, crossings in ((True, 0), (False, 1)):
+        grid = add_grid(8, 8, name=f"Square {avoids}")
+        # Both diagonals of a square.
+        done = nets.put_net_into_mesh(
+            bpy.context,
+            grid,
+            [9, 14, 54, 49],
+            connections=[[0, 2], [1, 3]],
+            filter="geodesic",
+            avoid_crossings=avoids,
+        )
+        check_patches(grid.data, done)
+        assert (done.crossings, len(done.connections)) == (crossings, 2)
+        ends = np.bincount([v for e in done.lines.edges for v in grid.data.edges[e].vertices])
+        assert np.count_nonzero(ends == 4) == crossings
 
 
 @pytest.mark.parametrize(("connections", "lines"), [("CHAIN", 3), ("LOOP", 4), ("ALL", 6), ("AUTOMATIC", 5)])
@@ -100,6 +119,21 @@ def test_the_kinds_of_connections(scene, nets, connections, lines):
         assert len(done.connections) in {lines, 6}
     else:
         assert len(done.connections) == lines
+
+
+def test_a_patch_that_is_no_disc_is_told(scene, nets):
+    from bl_ext.user_default.smooth_polylines.seams import report
+
+    bpy.ops.mesh.primitive_torus_add(major_segments=24, minor_segments=12)
+    torus = bpy.context.object
+    done = nets.put_net_into_mesh(bpy.context, torus, spread_picks(torus.data, 3), connections="CHAIN")
+    assert (len(done.sides), done.not_discs) == (1, 1)
+    told, _ = report.describe_net(done)
+    assert "1 patch: 0 of three sides, 0 of four; 1 of them is no disc" in told
+    ball = add_ball("quads")
+    done = nets.put_net_into_mesh(bpy.context, ball, spread_picks(ball.data, 8))
+    assert done.not_discs == 0
+    assert "disc" not in report.describe_net(done)[0]
 
 
 def test_operator_with_undo_and_what_it_tells(scene, nets):
