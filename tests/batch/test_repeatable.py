@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 from batch import jobs
+from batch.test_inputs import END, START, straight
 
 
 @pytest.fixture(scope="module")
@@ -17,6 +18,32 @@ def fresh(tmp_path_factory):
     done = jobs.run_batch(job)
     assert done.returncode == 0, done.stderr
     return folder, jobs.hash_tree(folder / "out" / "in")
+
+
+def test_every_kind_of_input_with_seams_and_maps(scenes, tmp_path):
+    """In fresh processes, and after broken files in one whose memory is filled."""
+    values = {
+        "lines": [straight("a", START, END, objects=["[Pp]lane*"])],
+        "search_radius": 0.1,
+        "make": {"curves": {}, "seams": {"method": "cut"}, "unwrap": {}},
+        "import": None,
+    }
+    made = []
+    for name, limits, filling in (("fresh", {"files_a_process": 1}, "0"), ("used", {}, "165")):
+        folder = tmp_path / name
+        (folder / "in").mkdir(parents=True)
+        for path in scenes.iterdir():
+            if path.stem in {"plane", "scene"} and path.suffix != ".json":
+                shutil.copy(path, folder / "in" / path.name)
+        if name == "used":
+            jobs.write_broken(folder / "in" / "a")
+        outputs = {"folder": "out", "formats": ["json", "blend", "svg"]}
+        job = jobs.write_job(folder / "job.json", inputs=["in/**/*"], limits=limits, outputs=outputs, **values)
+        done = jobs.run_batch(job, env={**os.environ, "MALLOC_PERTURB_": filling})
+        assert done.returncode == (0 if name == "fresh" else 1), done.stdout + done.stderr
+        made.append(jobs.hash_tree(folder / "out" / "in"))
+    assert sum(name.endswith("result.blend") for name in made[0]) == 10
+    assert made[0] == made[1]
 
 
 # Where the C library can be told to fill memory that is given out or given back: what is written without having been

@@ -1,9 +1,6 @@
 """The draw tool in a real window, driven by mouse and keys."""
 
-import os
-
 import numpy as np
-import pytest
 
 import meshes
 
@@ -118,18 +115,8 @@ def test_a_new_users_first_hour(window):
     assert told["modal_at_the_end"] == 0
 
 
-def leave_to_the_newest(window):
-    """Skip in the older of two Blenders what takes long and hardly depends on it; ALL_WINDOWS=1 runs it in both."""
-    if (
-        window.name == "trixie"
-        and (window.root.parent / "sid" / ".complete").exists()
-        and "ALL_WINDOWS" not in os.environ
-    ):
-        pytest.skip("runs in the newest Blender alone; ALL_WINDOWS=1 runs it here too")
-
-
 def test_modes_outputs_and_displays(window):
-    leave_to_the_newest(window)
+    window.leave_to_the_newest()
     told = window.run("modes")
     print(told)
     assert told["begun_beside"] == 0
@@ -153,7 +140,7 @@ def test_modes_outputs_and_displays(window):
 
 
 def test_a_line_follows_a_pose_and_is_mirrored(window):
-    leave_to_the_newest(window)
+    window.leave_to_the_newest()
     told = window.run("pose")
     assert (told["message"], told["source"]) == ("", "EVALUATED")
     assert 4 <= told["picks"] <= 16

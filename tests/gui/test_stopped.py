@@ -2,6 +2,7 @@
 
 
 def test_esc_timers_and_the_properties_editor(window):
+    window.leave_to_the_newest()
     told = window.run("stopped")
     print(told)
     for name in ("add", "seam", "net"):

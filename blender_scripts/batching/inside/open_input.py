@@ -24,11 +24,12 @@ def open_input(path: str, settings: dict[str, Any]) -> None:
     settings : "scale", "forward" and "up" of the job's "import", for .obj, .ply and .stl
     """
     suffix = os.path.splitext(path)[1].lower()
+    # Also before a .blend file: it is opened without its windows, and those that are there are saved with the result.
+    empty_blender()
     if suffix == ".blend":
         open_blend(path)
-        return
-    empty_blender()
-    run_importer(path, suffix, settings)
+    else:
+        run_importer(path, suffix, settings)
 
 
 def open_blend(path: str) -> None:
