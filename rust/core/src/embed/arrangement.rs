@@ -13,6 +13,7 @@ use std::collections::{HashMap, VecDeque};
 use glam::DVec2;
 
 use super::nodes::{distance, distance_from_segment};
+use super::spacing::{lead_through, sorted};
 use super::triangulation::{Row, Triangulation, turn};
 
 /// The segments could not be put in.
@@ -132,15 +133,7 @@ impl Arrangement {
     fn pass_through(&mut self, a: u32, b: u32, p: u32) {
         let Some(owners) = self.owners.remove(&sorted(a, b)) else { return };
         for segment in owners {
-            let chain = &mut self.chains[segment as usize];
-            let mut i = 0;
-            while i + 1 < chain.len() {
-                if sorted(chain[i], chain[i + 1]) == sorted(a, b) {
-                    chain.insert(i + 1, p);
-                    i += 1;
-                }
-                i += 1;
-            }
+            lead_through(&mut self.chains[segment as usize], [a, b], p);
             self.own(a, p, segment);
             self.own(p, b, segment);
         }
@@ -281,10 +274,6 @@ impl Arrangement {
             }
         }
     }
-}
-
-fn sorted(a: u32, b: u32) -> [u32; 2] {
-    if a < b { [a, b] } else { [b, a] }
 }
 
 /// Whether segment `ab` has to go through `p`: not to be told from a point on it, nor too near an end. Then both parts are

@@ -157,15 +157,7 @@ impl<'a> Bundle<'a> {
         let Some(owners) = self.owners.remove(&sorted(a, b)) else { return };
         self.settled.retain(|piece| sorted(piece[0], piece[1]) != sorted(a, b));
         for segment in owners {
-            let chain = &mut chains[segment as usize];
-            let mut i = 0;
-            while i + 1 < chain.len() {
-                if sorted(chain[i], chain[i + 1]) == sorted(a, b) {
-                    chain.insert(i + 1, p);
-                    i += 1;
-                }
-                i += 1;
-            }
+            lead_through(&mut chains[segment as usize], [a, b], p);
             self.own(a, p, segment);
             self.own(p, b, segment);
         }
@@ -252,6 +244,18 @@ impl<'a> Bundle<'a> {
     }
 }
 
+/// Puts `p` into a chain wherever that goes from one of two points to the other.
+pub fn lead_through(chain: &mut Vec<u32>, [a, b]: [u32; 2], p: u32) {
+    let mut i = 0;
+    while i + 1 < chain.len() {
+        if sorted(chain[i], chain[i + 1]) == sorted(a, b) {
+            chain.insert(i + 1, p);
+            i += 1;
+        }
+        i += 1;
+    }
+}
+
 /// Takes out what goes to a vertex and straight back, and what stands still.
 fn remove_spurs(chain: &mut Vec<u32>) {
     let mut kept: Vec<u32> = Vec::with_capacity(chain.len());
@@ -265,7 +269,8 @@ fn remove_spurs(chain: &mut Vec<u32>) {
     *chain = kept;
 }
 
-fn sorted(a: u32, b: u32) -> [u32; 2] {
+/// The lower of two first.
+pub fn sorted(a: u32, b: u32) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
