@@ -34,6 +34,16 @@ impl OwnRepeats {
         Self { repeated: route.legs.iter().map(|leg| of_leg(&leg.word, leg.first)).collect() }
     }
 
+    /// Follows the places where the route itself crosses or meets itself over the mesh vertices that the last round has
+    /// passed: a figure eight that is smoothed is still a figure eight. For filters that keep the shape of a line; one
+    /// that shortens it would undo such a loop anyway.
+    pub fn follow(&mut self, mesh: &SurfaceMesh, route: &Route) {
+        let is_ring = route.pins.is_empty();
+        for (leg, own) in route.legs.iter().zip(&mut self.repeated).filter(|(_, own)| !own.is_empty()) {
+            follow_own(mesh, own, &mut strip_once(mesh, leg.first, &leg.word, is_ring));
+        }
+    }
+
     /// Cuts all new loops that bound discs out of the route's legs; returns how many.
     pub fn cut_new_loops(&self, mesh: &SurfaceMesh, route: &mut Route) -> u64 {
         let mut cuts = 0;
@@ -46,6 +56,26 @@ impl OwnRepeats {
         }
         cuts
     }
+}
+
+/// Adds to the route's own repeats those of its strip now that are near them: a vertex pass exchanges triangles round one
+/// vertex, so what it has moved has a vertex in common with where it was.
+fn follow_own(mesh: &SurfaceMesh, own: &mut Vec<TriangleId>, strip: &mut [TriangleId]) {
+    let mut others = repeats_of(strip);
+    others.retain(|triangle| own.binary_search(triangle).is_err());
+    // Several passes may have moved it on in one round: from one to the next.
+    let mut near: HashSet<VertexId> = own.iter().flat_map(|&t| mesh.corners(t)).collect();
+    loop {
+        let (found, rest): (Vec<_>, Vec<_>) =
+            others.iter().partition(|&&t| mesh.corners(t).iter().any(|v| near.contains(v)));
+        if found.is_empty() {
+            break;
+        }
+        near.extend(found.iter().flat_map(|&t| mesh.corners(t)));
+        own.extend(found);
+        others = rest;
+    }
+    own.sort_unstable();
 }
 
 /// Triangles of a strip; a ring does not repeat its first.

@@ -1,7 +1,9 @@
-//! Words of strips: the compact form there and back, reduction, turns round a vertex, closed words.
+//! Words of strips: the compact form there and back, reduction, turns round a vertex, closed words, loops
+//! that are the route's own.
 
 mod support;
 
+use glam::DVec3;
 use smooth_polylines_core::check::{CheckError, check_polyline};
 use smooth_polylines_core::filter::geodesic::unwind;
 use smooth_polylines_core::ids::{HalfedgeId, TriangleId, VertexId};
@@ -11,7 +13,7 @@ use smooth_polylines_core::strip::{
 use smooth_polylines_core::{Filter, Options, Polyline, SurfaceMesh};
 use support::random::Random;
 use support::shapes::{self, Shape};
-use support::{all_pinned, closed, faces, filters, line, try_line};
+use support::{all_pinned, closed, cubic, faces, filters, line, step_b, try_line};
 
 fn shapes_to_walk() -> Vec<Shape> {
     let mut random = Random::new(2);
@@ -219,6 +221,27 @@ fn lines_come_back_from_their_bytes_and_spoiled_bytes_never_panic() {
             }
             let other_mesh = shapes::hills(13, 7).mesh();
             assert!(Polyline::from_bytes(&other_mesh, &bytes).is_err(), "{name}: another mesh");
+        }
+    }
+}
+
+#[test]
+fn a_figure_eight_keeps_both_lobes_under_the_cubic() {
+    for seed in 1..=6 {
+        let shape = shapes::hills(60, seed);
+        let mesh = shape.mesh();
+        let picks: Vec<usize> = (0..12)
+            .map(|i| {
+                let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 12.0 + 0.1).sin_cos();
+                shape.nearest(DVec3::new(0.5 + 0.35 * sin, 0.5 + 0.35 * sin * cos, 0.0))
+            })
+            .collect();
+        for threshold in [1e-2, 1e-3, 1e-4] {
+            let options = closed(Options { threshold, ..cubic() });
+            let start = line(&mesh, &faces(&picks), &step_b(&options));
+            let made = line(&mesh, &faces(&picks), &options);
+            let share = made.length() / start.length();
+            assert!(share > 0.8, "seed {seed}, {threshold}: {share} of step B's line is left");
         }
     }
 }

@@ -14,7 +14,7 @@
 use glam::DVec3;
 
 use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge};
-use super::{Edge, MAX_REACH, SlidingFilter};
+use super::{Edge, MAX_REACH, SlidingFilter, Target};
 use crate::options::Knots;
 
 /// See the module.
@@ -36,23 +36,18 @@ impl SlidingFilter for Cubic {
         self.support
     }
 
-    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64 {
+    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, near: Option<f64>) -> Target {
+        let unknown = Target { t, on_curve: None };
         if before.is_empty() || after.is_empty() {
-            return t;
+            return unknown;
+        }
+        // The common case without lists of unknown length: the heap asks millions of times.
+        if let ([b1, b2], [a1, a2]) = (before, after) {
+            return self.seek(edge, &[*b2, *b1, *a1, *a2], 1, &mut [-1.0; 4], near).unwrap_or(unknown);
         }
         let points = self.choose_points(before, after);
-        let inner = before.len() - 1;
-        let e = edge.high - edge.low;
-        let Some(knots) = self.place_knots(&points, inner) else {
-            let foot = (points[inner] - edge.low).dot(e) / e.length_squared();
-            return if foot.is_finite() { foot.clamp(0.0, 1.0) } else { t };
-        };
-        let curve = if points.len() <= INTERPOLATED {
-            Curve::through(&knots, &points, edge.low)
-        } else {
-            Curve::nearest_to(&Basis::over(&knots), &points, edge.low)
-        };
-        nearest_on_edge(&curve, e, -1.0, 1.0).unwrap_or(t)
+        let mut knots: Row = points.iter().map(|_| -1.0).collect();
+        self.seek(edge, &points, before.len() - 1, &mut knots, near).unwrap_or(unknown)
     }
 
     /// The bending energy of the polyline: squared turn of its direction over half the length of the two segments.
@@ -73,22 +68,39 @@ impl Cubic {
         before.iter().rev().chain(after).copied().take(2 * self.support).collect()
     }
 
-    /// Parameters of the neighbours: -1 and 1 for the inner ones, which are at `inner` and `inner + 1`; `None` where these
+    /// Where a vertex on `edge` belongs between `points`, of which `inner` and `inner + 1` are next to it; `None` when they
+    /// do not tell. `knots` is space for one number a point, filled with -1.
+    #[inline(always)]
+    fn seek(
+        &self,
+        edge: &Edge,
+        points: &[DVec3],
+        inner: usize,
+        knots: &mut [f64],
+        near: Option<f64>,
+    ) -> Option<Target> {
+        let e = edge.high - edge.low;
+        if !self.place_knots(points, inner, knots) {
+            let foot = (points[inner] - edge.low).dot(e) / e.length_squared();
+            return foot.is_finite().then(|| Target { t: foot.clamp(0.0, 1.0), on_curve: None });
+        }
+        let curve = if points.len() <= INTERPOLATED {
+            Curve::through(knots, points, edge.low)
+        } else {
+            Curve::nearest_to(&Basis::over(knots), points, edge.low)
+        };
+        nearest_on_edge(&curve, e, -1.0, 1.0, near)
+    }
+
+    /// Parameters of the neighbours: -1 and 1 for the inner ones, which are at `inner` and `inner + 1`; false where these
     /// two are in one place, next to which every other step is endless.
     ///
     /// Steps are taken from ratios of distances and by square roots alone: the same to the bit at every size, on every
     /// machine.
-    fn place_knots(&self, points: &[DVec3], inner: usize) -> Option<Row> {
+    #[inline(always)]
+    fn place_knots(&self, points: &[DVec3], inner: usize, knots: &mut [f64]) -> bool {
         let inner_gap = points[inner].distance(points[inner + 1]);
-        let step = |i: usize| {
-            let share = points[i].distance(points[i + 1]) / inner_gap;
-            match self.knots {
-                Knots::Uniform => 1.0,
-                Knots::Centripetal => 2.0 * share.sqrt(),
-                Knots::Chordal => 2.0 * share,
-            }
-        };
-        let mut knots: Row = points.iter().map(|_| -1.0).collect();
+        let step = |i: usize| self.step(points[i].distance(points[i + 1]), inner_gap);
         for i in (0..inner).rev() {
             knots[i] = knots[i + 1] - step(i);
         }
@@ -96,7 +108,17 @@ impl Cubic {
         for i in inner + 1..points.len() - 1 {
             knots[i + 1] = knots[i] + step(i);
         }
-        knots.iter().all(|k| k.is_finite()).then_some(knots)
+        knots.iter().all(|k| k.is_finite())
+    }
+
+    /// From a neighbour to the next one, `gap` away, where the inner two are `inner_gap` apart.
+    #[inline(always)]
+    fn step(&self, gap: f64, inner_gap: f64) -> f64 {
+        match self.knots {
+            Knots::Uniform => 1.0,
+            Knots::Centripetal => 2.0 * (gap / inner_gap).sqrt(),
+            Knots::Chordal => 2.0 * (gap / inner_gap),
+        }
     }
 }
 
@@ -119,7 +141,7 @@ mod tests {
             let edge = Edge { low: here - 0.3 * direction, high: here + 0.7 * direction };
             let before = [on_cubic(-1.0), on_cubic(-2.0)];
             let after = [on_cubic(1.0), on_cubic(2.0)];
-            let t = UNIFORM.target(&edge, &before, &after, 0.9);
+            let t = UNIFORM.target(&edge, &before, &after, 0.9, None).t;
             assert!((t - 0.3).abs() < 1e-12, "{t}");
         }
     }
@@ -129,11 +151,11 @@ mod tests {
         let parabola = |u: f64| DVec3::new(u, u * u, 0.0);
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 3.0, 0.0) };
         let cubic = UNIFORM;
-        let t = cubic.target(&edge, &[parabola(-1.0)], &[parabola(1.0), parabola(2.0)], 0.9);
+        let t = cubic.target(&edge, &[parabola(-1.0)], &[parabola(1.0), parabola(2.0)], 0.9, None).t;
         assert!((t - 0.25).abs() < 1e-12, "{t}");
-        let t = cubic.target(&edge, &[parabola(-1.0), parabola(-2.0)], &[parabola(1.0)], 0.9);
+        let t = cubic.target(&edge, &[parabola(-1.0), parabola(-2.0)], &[parabola(1.0)], 0.9, None).t;
         assert!((t - 0.25).abs() < 1e-12, "{t}");
-        let t = cubic.target(&edge, &[parabola(-1.0)], &[parabola(1.0)], 0.9);
+        let t = cubic.target(&edge, &[parabola(-1.0)], &[parabola(1.0)], 0.9, None).t;
         assert!((t - 0.5).abs() < 1e-12, "{t}");
     }
 
@@ -142,7 +164,7 @@ mod tests {
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 1.0, 0.0) };
         let at = |x: f64| DVec3::new(x, 0.0, 0.0);
         for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
-            let t = Cubic { knots, ..UNIFORM }.target(&edge, &[at(-0.1), at(-3.0)], &[at(2.0), at(2.1)], 0.9);
+            let t = Cubic { knots, ..UNIFORM }.target(&edge, &[at(-0.1), at(-3.0)], &[at(2.0), at(2.1)], 0.9, None).t;
             assert!((t - 0.5).abs() < 1e-9, "{knots:?} {t}");
         }
     }
@@ -156,7 +178,7 @@ mod tests {
             for count in [1, 2, support] {
                 let before: Vec<DVec3> = (1..=count).map(|i| on_cubic(-(i as f64))).collect();
                 let after: Vec<DVec3> = (1..=2 * support - count).map(|i| on_cubic(i as f64)).collect();
-                let t = cubic.target(&edge, &before, &after, 0.9);
+                let t = cubic.target(&edge, &before, &after, 0.9, None).t;
                 assert!((t - 0.25).abs() < 1e-9, "support {support}, {count} before: {t}");
             }
         }
@@ -171,7 +193,7 @@ mod tests {
         let at = |i: usize| DVec3::new(knots[i], 10.0 * weight(i), 0.0);
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 1.0, 0.0) };
         let cubic = Cubic { support: 3, ..UNIFORM };
-        let t = cubic.target(&edge, &[at(2), at(1), at(0)], &[at(3), at(4), at(5)], 0.9);
+        let t = cubic.target(&edge, &[at(2), at(1), at(0)], &[at(3), at(4), at(5)], 0.9, None).t;
         assert!((t - 0.5).abs() < 1e-12, "{t}");
     }
 
@@ -180,7 +202,7 @@ mod tests {
         let edge = Edge { low: DVec3::new(0.0, -1.0, 0.0), high: DVec3::new(0.0, 3.0, 0.0) };
         let (far, place) = (DVec3::new(-5.0, 3.0, 0.0), DVec3::new(0.5, 0.0, 0.0));
         for knots in [Knots::Centripetal, Knots::Chordal] {
-            let t = Cubic { knots, ..UNIFORM }.target(&edge, &[place, far], &[place, -far], 0.9);
+            let t = Cubic { knots, ..UNIFORM }.target(&edge, &[place, far], &[place, -far], 0.9, None).t;
             assert!((t - 0.25).abs() < 1e-12, "{knots:?}: {t}");
         }
     }

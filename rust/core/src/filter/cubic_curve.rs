@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::MAX_REACH;
+use super::{MAX_REACH, Target};
 
 /// The nearest point of the curve is sought between the two inner neighbours: first at this many steps, so that no
 /// nearer stretch is missed (the squared distance to a line is of degree 6: at most three valleys), then by Newton.
@@ -13,8 +13,13 @@ const STEPS: u32 = 8;
 /// Newton steps on the curve's parameter; convergence is quadratic, bisection guards it.
 const NEWTON_STEPS: u32 = 30;
 
-/// Newton ends when the parameter moves by less than this, on a range of 2: the step after it would be its square.
-const PARAMETER_STEP: f64 = 1e-9;
+/// Newton ends when the parameter moves by less than this, on a range of 2: the step after it would be about its square.
+const PARAMETER_STEP: f64 = 1e-6;
+
+/// How far, and in how many steps, Newton may go from where the nearest point was before.
+const NEIGHBOURHOOD: f64 = 0.125;
+/// See [`NEIGHBOURHOOD`].
+const NEAR_STEPS: u32 = 6;
 
 /// A power of the parameter is left out when, over the knots, it differs from the lower ones by less than this share of
 /// its size (squared): knots that coincide cannot tell it.
@@ -30,6 +35,7 @@ pub struct Curve {
 
 impl Curve {
     /// Through at most four `points - origin`: Newton's divided differences, then expanded to powers.
+    #[inline(always)]
     pub fn through(knots: &[f64], points: &[DVec3], origin: DVec3) -> Self {
         let count = points.len();
         let mut table = [DVec3::ZERO; 4];
@@ -39,7 +45,7 @@ impl Curve {
         for level in 1..count {
             for i in (level..count).rev() {
                 let width = knots[i] - knots[i - level];
-                table[i] = if width > 0.0 { (table[i] - table[i - 1]) / width } else { DVec3::ZERO };
+                table[i] = if width > 0.0 { (table[i] - table[i - 1]) * (1.0 / width) } else { DVec3::ZERO };
             }
         }
         let mut coefficients = [DVec3::ZERO; 4];
@@ -117,27 +123,32 @@ struct Distance {
     square: [f64; 7],
     /// curve(u) . e, degree 3.
     along: [f64; 4],
-    /// |e|^2.
+    /// |e|^2, and one over it.
     edge: f64,
+    /// See `edge`.
+    per_edge: f64,
 }
 
 impl Distance {
+    #[inline(always)]
     fn new(curve: &Curve, e: DVec3) -> Self {
         let c = &curve.coefficients;
         let mut square = [0.0; 7];
         for i in 0..4 {
-            for j in 0..4 {
-                square[i + j] += c[i].dot(c[j]);
+            square[2 * i] += c[i].length_squared();
+            for j in i + 1..4 {
+                square[i + j] += 2.0 * c[i].dot(c[j]);
             }
         }
-        Self { square, along: c.map(|k| k.dot(e)), edge: e.length_squared() }
+        let edge = e.length_squared();
+        Self { square, along: c.map(|k| k.dot(e)), edge, per_edge: 1.0 / edge }
     }
 
     /// Parameter on the edge of the point nearest to curve(u), not clamped.
     #[inline]
     fn foot(&self, u: f64) -> f64 {
         let a = &self.along;
-        (a[0] + u * (a[1] + u * (a[2] + u * a[3]))) / self.edge
+        (a[0] + u * (a[1] + u * (a[2] + u * a[3]))) * self.per_edge
     }
 
     #[inline]
@@ -157,47 +168,74 @@ impl Distance {
         let (slope, bend) = (a[1] + u * (2.0 * a[2] + u * 3.0 * a[3]), 2.0 * a[2] + u * 6.0 * a[3]);
         let raw = self.foot(u);
         let t = raw.clamp(0.0, 1.0);
-        let follows = if raw > 0.0 && raw < 1.0 { 2.0 * slope * slope / self.edge } else { 0.0 };
+        let follows = if raw > 0.0 && raw < 1.0 { 2.0 * slope * slope * self.per_edge } else { 0.0 };
         (first - 2.0 * t * slope, second - 2.0 * t * bend - follows)
+    }
+
+    /// The parameter of least distance.
+    fn find_lowest(&self, from: f64, to: f64) -> f64 {
+        let step = (to - from) / f64::from(STEPS);
+        let place = |k: u32| from + step * f64::from(k);
+        // The first of equals, counted from the middle: a curve that lies on the edge leaves the vertex in the middle.
+        let middle = STEPS / 2;
+        let mut best = (middle, self.at(place(middle)));
+        for offset in 1..=middle {
+            for k in [middle - offset, middle + offset] {
+                let d = self.at(place(k));
+                if d < best.1 {
+                    best = (k, d);
+                }
+            }
+        }
+        let (mut low, mut high) = (place(best.0.saturating_sub(1)), place((best.0 + 1).min(STEPS)));
+        let mut u = place(best.0);
+        for _ in 0..NEWTON_STEPS {
+            let (first, second) = self.derivatives(u);
+            if first > 0.0 {
+                high = u
+            } else {
+                low = u
+            }
+            let newton = u - first / second;
+            let next = if second > 0.0 && newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            let moved = (next - u).abs();
+            u = next;
+            if moved <= PARAMETER_STEP {
+                break;
+            }
+        }
+        u
+    }
+
+    /// The bottom of the valley about `u`, by Newton alone; `None` where that leaves the neighbourhood or the range.
+    fn descend_near(&self, u: f64, from: f64, to: f64) -> Option<f64> {
+        let (low, high) = ((u - NEIGHBOURHOOD).max(from), (u + NEIGHBOURHOOD).min(to));
+        let mut u = u;
+        for _ in 0..NEAR_STEPS {
+            let (first, second) = self.derivatives(u);
+            let next = u - first / second;
+            // Written so that what is not a number is refused.
+            if !(second > 0.0 && next >= low && next <= high) {
+                return None;
+            }
+            let moved = (next - u).abs();
+            u = next;
+            if moved <= PARAMETER_STEP {
+                return Some(u);
+            }
+        }
+        None
     }
 }
 
-/// Parameter on the edge from the origin to `e` of its point nearest to the curve between parameters `from` and `to`;
-/// `None` for an edge of zero length.
-pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64) -> Option<f64> {
+/// The point of the edge from the origin to `e` that is nearest to the curve between parameters `from` and `to`; `None`
+/// for an edge of zero length. With `near`, the nearest in the valley that this parameter lies in, if it has one.
+#[inline(always)]
+pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64, near: Option<f64>) -> Option<Target> {
     let distance = Distance::new(curve, e);
-    if distance.edge == 0.0 {
+    if !distance.per_edge.is_finite() {
         return None;
     }
-    let step = (to - from) / f64::from(STEPS);
-    let place = |k: u32| from + step * f64::from(k);
-    // The first of equals, counted from the middle: a curve that lies on the edge leaves the vertex in the middle.
-    let middle = STEPS / 2;
-    let mut best = (middle, distance.at(place(middle)));
-    for offset in 1..=middle {
-        for k in [middle - offset, middle + offset] {
-            let d = distance.at(place(k));
-            if d < best.1 {
-                best = (k, d);
-            }
-        }
-    }
-    let (mut low, mut high) = (place(best.0.saturating_sub(1)), place((best.0 + 1).min(STEPS)));
-    let mut u = place(best.0);
-    for _ in 0..NEWTON_STEPS {
-        let (first, second) = distance.derivatives(u);
-        if first > 0.0 {
-            high = u
-        } else {
-            low = u
-        }
-        let newton = u - first / second;
-        let next = if second > 0.0 && newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        let moved = (next - u).abs();
-        u = next;
-        if moved <= PARAMETER_STEP {
-            break;
-        }
-    }
-    Some(distance.foot(u).clamp(0.0, 1.0))
+    let u = near.and_then(|u| distance.descend_near(u, from, to)).unwrap_or_else(|| distance.find_lowest(from, to));
+    Some(Target { t: distance.foot(u).clamp(0.0, 1.0), on_curve: Some(u) })
 }

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Edge, SlidingFilter};
+use super::{Edge, SlidingFilter, Target};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,9 +17,14 @@ impl SlidingFilter for Linear {
     }
 
     /// See [`target_with_slopes`]; clamped to the edge.
-    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64 {
-        let (Some(&p), Some(&q)) = (before.first(), after.first()) else { return t };
-        target_with_slopes(edge, (p, DVec3::ZERO), (q, DVec3::ZERO), t).target.clamp(0.0, 1.0)
+    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, _near: Option<f64>) -> Target {
+        let target = match (before.first(), after.first()) {
+            (Some(&p), Some(&q)) => {
+                target_with_slopes(edge, (p, DVec3::ZERO), (q, DVec3::ZERO), t).target.clamp(0.0, 1.0)
+            }
+            _ => t,
+        };
+        Target { t: target, on_curve: None }
     }
 
     fn measure(&self, points: &[DVec3]) -> f64 {
@@ -79,7 +84,7 @@ mod tests {
         // The fold is the x axis; one neighbour 1 away on one side, the other 3 away on the other, 1 along.
         let edge = Edge { low: DVec3::new(-1.0, 0.0, 0.0), high: DVec3::new(2.0, 0.0, 0.0) };
         let (p, q) = (DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 3.0));
-        let t = Linear.target(&edge, &[p], &[q], 0.5);
+        let t = Linear.target(&edge, &[p], &[q], 0.5, None).t;
         assert!((edge.at(t).x - 0.1).abs() < 1e-12, "{}", edge.at(t).x);
     }
 
@@ -100,8 +105,8 @@ mod tests {
     fn degenerate_neighbours_are_defined() {
         let edge = Edge { low: DVec3::ZERO, high: DVec3::X };
         let p = DVec3::new(0.3, 1.0, 0.0);
-        assert!((Linear.target(&edge, &[p], &[p], 0.9) - 0.3).abs() < 1e-15, "one place: the nearest point");
-        assert_eq!(Linear.target(&edge, &[p], &[p + DVec3::X], 0.9), 0.9, "parallel: stay");
-        assert_eq!(Linear.target(&Edge { low: p, high: p }, &[p], &[p], 0.4), 0.4, "no length: stay");
+        assert!((Linear.target(&edge, &[p], &[p], 0.9, None).t - 0.3).abs() < 1e-15, "one place: the nearest point");
+        assert_eq!(Linear.target(&edge, &[p], &[p + DVec3::X], 0.9, None).t, 0.9, "parallel: stay");
+        assert_eq!(Linear.target(&Edge { low: p, high: p }, &[p], &[p], 0.4, None).t, 0.4, "no length: stay");
     }
 }

@@ -38,14 +38,24 @@ pub const MAX_REACH: usize = 2 * MAX_SUPPORT - 1;
 /// Neighbours of a vertex on one side, nearest first.
 pub type Side = arrayvec::ArrayVec<DVec3, MAX_REACH>;
 
+/// Where a vertex belongs.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Target {
+    /// Parameter on its edge, in 0..=1.
+    pub t: f64,
+    /// Parameter of the nearest point on the filter's curve; `None` for a filter that has no use for it.
+    pub on_curve: Option<f64>,
+}
+
 /// A filter of the paper's kind.
 pub trait SlidingFilter {
     /// Neighbours a side that the target depends on. Where one side has fewer, the other gives as many
     /// more.
     fn reach(&self) -> usize;
 
-    /// Where on `edge` the vertex belongs, in 0..=1, seen from its neighbours; `t` (where it is) when they do not tell.
-    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64) -> f64;
+    /// Where on `edge` the vertex belongs, seen from its neighbours; `t` (where it is) when they do not tell. `near`: what
+    /// `on_curve` was when the neighbours were a little elsewhere; the point may then be sought near that alone.
+    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, near: Option<f64>) -> Target;
 
     /// How bad a stretch of line is; step D passes a vertex only if this falls. `points` hold the changed stretch and
     /// `reach` fixed points on each side where there are as many.

@@ -26,6 +26,9 @@ const DAMPING: f64 = 0.8;
 /// A vertex rests, although it is off its target, when its damped step is below this share of the threshold.
 const REST: f64 = 0.01;
 
+/// Times that all nearest points are sought again when nothing is left to move; once is enough, as a rule.
+const MAX_SEEKS: u32 = 8;
+
 /// How a relaxation ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HeapEnd {
@@ -51,6 +54,8 @@ pub struct HeapOutcome {
 #[derive(Clone, Copy, Debug)]
 struct Swing {
     target: f64,
+    /// Where on the filter's curve the nearest point was found last.
+    on_curve: Option<f64>,
     damping: f64,
     last_step: f64,
     reversals: u32,
@@ -70,7 +75,7 @@ pub fn relax_by_heap(
     mut on_pause: impl FnMut() -> ControlFlow<()>,
 ) -> HeapOutcome {
     let mut heap = ErrorHeap::new(beads.len());
-    let start = |&target: &f64| Swing { target, damping: 1.0, last_step: 0.0, reversals: 0 };
+    let start = |&target: &f64| Swing { target, on_curve: None, damping: 1.0, last_step: 0.0, reversals: 0 };
     let mut swings: Vec<Swing> = beads.parameters.iter().map(start).collect();
     let mut sides = Neighbours::default();
     let all = 0..beads.len();
@@ -79,7 +84,16 @@ pub fn relax_by_heap(
     }
     let reach = filter.reach();
     let mut moves = 0;
-    while let Some(i) = heap.first() {
+    let mut seeks = 0;
+    loop {
+        let Some(i) = heap.first() else {
+            // Nearest points were followed from where they were: a curve may have come nearer elsewhere.
+            if seeks == MAX_SEEKS || !seek_again(beads, filter, threshold, &mut swings, &mut heap, &mut sides) {
+                break;
+            }
+            seeks += 1;
+            continue;
+        };
         if moves == move_limit || (moves % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 && on_pause().is_break()) {
             return HeapOutcome { moves, end: HeapEnd::Stopped };
         }
@@ -103,6 +117,22 @@ pub fn relax_by_heap(
         |(i, swing): (usize, &Swing)| (swing.target - beads.parameters[i]).abs() > threshold && !beads.is_fixed[i];
     let end = if swings.iter().enumerate().any(is_off) { HeapEnd::Swinging } else { HeapEnd::Settled };
     HeapOutcome { moves, end }
+}
+
+/// Seeks the targets of all vertices that have one without following; whether one is off its target now.
+fn seek_again(
+    beads: &Beads,
+    filter: &impl SlidingFilter,
+    threshold: f64,
+    swings: &mut [Swing],
+    heap: &mut ErrorHeap,
+    sides: &mut Neighbours,
+) -> bool {
+    for (i, swing) in swings.iter_mut().enumerate().filter(|(_, swing)| swing.on_curve.is_some()) {
+        swing.on_curve = None;
+        judge(beads, filter, i, threshold, swing, heap, sides);
+    }
+    heap.first().is_some()
 }
 
 /// Moves vertex `i` towards its target, all the way unless it is damped. The linear filter, which looks at one neighbour a
@@ -137,7 +167,8 @@ fn judge(
     }
     beads.neighbourhood(i, filter.reach(), sides);
     let t = beads.parameters[i];
-    swing.target = filter.target(&beads.edges[i], &sides.before, &sides.after, t);
+    let found = filter.target(&beads.edges[i], &sides.before, &sides.after, t, swing.on_curve);
+    (swing.target, swing.on_curve) = (found.t, found.on_curve);
     rank(beads, i, threshold, swing, heap);
 }
 
