@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 use super::polygon_pieces::{Inner, PolygonPiece, group, outline_of};
 
-/// Partitions that are tried for a patch before the first answer is taken; about a tenth of a second for a large patch.
-/// Four loose lines in one polygon need some hundreds.
+/// Partitions that are tried for a patch before the first answer is taken, so that the work is bounded. Eight loose lines in a
+/// row need fewer.
 const MOST_TRIALS: usize = 20_000;
 
 /// A search for a partition.
