@@ -230,7 +230,7 @@ def figure_14_15() -> Figure:
     cubic = s.mesh.polyline(picks, filter="cubic", closed=True, threshold=1e-2)
     panels = [s.panel([(x, c)], picks, width=0.003) for x, c in ((start, START), (cubic, LINE))]
     text = "A closed curve by 30 picks on a scan: before, and with the cubic filter."
-    paper = "274 000 triangles, 30 picks, less than 5.5 s at 1 GHz"
+    paper = "274 120 triangles, 30 picks: strip in less than 0.5 s, optimised in less than 5 s, at 1 GHz"
     view = s.view((0.5, 0.35, 1.0))
     rows = [("cubic 1e-2, closed", len(picks), cubic)]
     return Figure("figure_14_15", "Figures 14 and 15", text, s, panels, view, rows, paper)

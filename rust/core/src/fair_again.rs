@@ -13,7 +13,8 @@
 use crate::error::{Error, Result};
 use crate::kept::KeptFair;
 use crate::mesh::SurfaceMesh;
-use crate::report::{Observer, Report, StopReason};
+use crate::pauses::Pauses;
+use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
 use crate::samples::{Samples, end_piece, mean_edge_length};
 use crate::smooth_fair::{DRAFT, FairTask, Lowering, choose_detail_size, smooth_fair, spacing_on};
@@ -137,7 +138,8 @@ fn smooth_stretch(
     let stretch = Route { closed: false, legs: legs.iter().map(|&i| input.legs[i].clone()).collect(), pins };
     let detail_size = report.detail_size.unwrap_or(f64::INFINITY);
     let spacing = spacing_on(mesh, &stretch, detail_size);
-    let mut samples = Samples::of_route(mesh, &stretch, &vec![true; stretch.pins.len()], spacing);
+    let mut pauses = Pauses::new(observer, Step::Relax);
+    let mut samples = Samples::of_route(mesh, &stretch, &vec![true; stretch.pins.len()], spacing, &mut pauses)?;
     let sides = [
         (true, first.checked_sub(1).or(input.closed.then(|| count - 1))),
         (false, Some((last + 1) % count).filter(|&next| next > 0 || input.closed)),
@@ -149,7 +151,8 @@ fn smooth_stretch(
         let (own, of_input) = (route.legs[leg].length(mesh, start, end), input.legs[leg].length(mesh, start, end));
         let share = (CLAMP_PIECES * spacing / own).min(0.5);
         let at = if is_start { 1.0 - share } else { share };
-        if let Some((point, piece)) = end_piece(mesh, &route.legs[leg], [start, end], !is_start, at) {
+        let clamp = end_piece(mesh, &route.legs[leg], [start, end], !is_start, at, &mut pauses)?;
+        if let Some((point, piece)) = clamp {
             samples.clamp(mesh, is_start, point, piece, share * of_input);
             is_clamped[side] = true;
         }

@@ -36,6 +36,7 @@ pub mod network;
 pub mod opened;
 pub mod options;
 pub mod patches;
+pub mod pauses;
 pub mod polygons;
 pub mod polyline;
 pub mod ray_cast;

@@ -5,10 +5,11 @@
 
 use glam::DVec3;
 
-use crate::error::OptionError;
+use crate::error::{OptionError, Result};
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::report::Report;
 use crate::route::Route;
 use crate::spot::{Spot, crossing_point, crossing_spot, spot_of, triangles_round};
@@ -45,7 +46,36 @@ struct Stop {
 impl Polyline {
     /// Puts the points of a route together; `None` when legs and pins do not fit.
     pub fn assemble(mesh: &SurfaceMesh, route: Route, report: Report) -> Option<Self> {
-        let (strip, stops) = walk(mesh, &route)?;
+        Self::assemble_while(mesh, route, report, &mut || true)
+    }
+
+    /// As [`Polyline::assemble`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
+    pub fn assemble_with_pauses(
+        mesh: &SurfaceMesh,
+        route: Route,
+        report: Report,
+        pauses: &mut Pauses,
+    ) -> Result<Option<Self>> {
+        let mut outcome = Ok(());
+        let line = Self::assemble_while(mesh, route, report, &mut || {
+            outcome = pauses.tick();
+            outcome.is_ok()
+        });
+        outcome?;
+        pauses.pause()?;
+        Ok(line)
+    }
+
+    fn assemble_while(
+        mesh: &SurfaceMesh,
+        route: Route,
+        report: Report,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
+        let (strip, stops) = walk(mesh, &route, goes_on)?;
         let surface_points: Vec<_> = stops.iter().map(|s| s.surface_point).collect();
         let points = surface_points.iter().map(|p| mesh.position_of(p)).collect();
         let segments = if route.closed { stops.len() } else { stops.len().saturating_sub(1) };
@@ -55,7 +85,7 @@ impl Polyline {
 
     /// The points that [`Polyline::assemble`] gives the line, and how many triangles its strip has.
     pub fn outline(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<DVec3>, usize)> {
-        let (strip, stops) = walk(mesh, route)?;
+        let (strip, stops) = walk(mesh, route, &mut || true)?;
         Some((stops.iter().map(|s| mesh.position_of(&s.surface_point)).collect(), strip.len()))
     }
 
@@ -117,8 +147,8 @@ pub fn length_of(points: &[DVec3], closed: bool) -> f64 {
     }
 }
 
-/// The strip and the stops of a route, equal neighbours merged.
-fn walk(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<TriangleId>, Vec<Stop>)> {
+/// The strip and the stops of a route, equal neighbours merged; `None` also when a crossing finds that `goes_on` does not.
+fn walk(mesh: &SurfaceMesh, route: &Route, goes_on: &mut dyn FnMut() -> bool) -> Option<(Vec<TriangleId>, Vec<Stop>)> {
     let mut strip = Vec::new();
     let mut stops: Vec<Stop> = Vec::new();
     let mut triangle = match (route.legs.first(), route.pins.first()) {
@@ -149,6 +179,9 @@ fn walk(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<TriangleId>, Vec<Stop>
             return None;
         }
         for (&h, &t) in leg.word.iter().zip(&leg.parameters) {
+            if !goes_on() {
+                return None;
+            }
             triangle = entered_triangle(mesh, h);
             strip.push(triangle);
             let surface_point = crossing_point(mesh, h, t);

@@ -5,9 +5,11 @@
 
 use glam::DVec3;
 
+use crate::error::Result;
 use crate::ids::TriangleId;
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::route::Route;
 use crate::spot::{crossing_point, in_triangle};
 use crate::strip::{entered_triangle, push_reduced};
@@ -69,7 +71,16 @@ pub fn with_seam(mesh: &SurfaceMesh, route: Route) -> Route {
 
 impl Samples {
     /// Samples of `input`, a route with pins, at most `spacing` apart, which is above 0; only pins with their flag in `is_pinned` stay fixed.
-    pub fn of_route(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool], spacing: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
+    pub fn of_route(
+        mesh: &SurfaceMesh,
+        input: &Route,
+        is_pinned: &[bool],
+        spacing: f64,
+        pauses: &mut Pauses,
+    ) -> Result<Self> {
         let mut samples = Self { closed: input.closed, unit: spacing, ..Self::default() };
         for (i, leg) in input.legs.iter().enumerate() {
             let (Some(start), Some(end)) = (input.start_pin(i), input.end_pin(i)) else { continue };
@@ -87,15 +98,24 @@ impl Samples {
             let pieces = ((length / spacing).ceil() as usize).max(FEWEST_PIECES);
             let step = (length / spacing / pieces as f64).max(SHORTEST_PIECE);
             let shares: Vec<f64> = (1..pieces).map(|k| k as f64 / pieces as f64).collect();
-            let cuts = cut_leg(mesh, leg, start, end, &shares, piece);
-            cuts.points.iter().for_each(|&point| samples.push(mesh, point, false));
+            let cuts = cut_leg(mesh, leg, start, end, &shares, piece, pauses)?;
+            for &point in &cuts.points {
+                pauses.tick()?;
+                samples.push(mesh, point, false);
+            }
             samples.steps.extend(std::iter::repeat_n(step, pieces));
-            samples.legs.extend(cuts.legs);
+            // The one leg of a stroke may have millions.
+            if samples.legs.is_empty() {
+                samples.legs = cuts.legs;
+            } else {
+                samples.legs.extend(cuts.legs);
+            }
+            pauses.tick()?;
         }
         if let (false, Some(last)) = (input.closed, input.pins.last()) {
             samples.push(mesh, *last, true);
         }
-        samples
+        Ok(samples)
     }
 
     fn push(&mut self, mesh: &SurfaceMesh, point: SurfacePoint, is_pinned: bool) {
@@ -122,7 +142,7 @@ impl Samples {
         let first_pin = self.is_pinned.iter().position(|&p| p).unwrap_or(0);
         let mut kept = Vec::new();
         let mut since_pin = 0;
-        for i in (0..count).map(|k| (first_pin + k) % count) {
+        for i in (first_pin..count).chain(0..first_pin) {
             since_pin = if self.is_pinned[i] { 0 } else { since_pin };
             if since_pin % stride == 0 {
                 kept.push(i);
@@ -141,7 +161,10 @@ impl Samples {
     }
 
     /// The curve of the samples `kept` alone.
-    pub fn thinned(&self, mesh: &SurfaceMesh, kept: &[usize]) -> Self {
+    ///
+    /// # Errors
+    /// As [`Samples::of_route`].
+    pub fn thinned(&self, mesh: &SurfaceMesh, kept: &[usize], pauses: &mut Pauses) -> Result<Self> {
         let mut thin = Self { closed: self.closed, unit: self.unit, ..Self::default() };
         for &i in kept {
             thin.points.push(self.points[i]);
@@ -153,21 +176,37 @@ impl Samples {
             let first = self.legs[pieces.start % count].first;
             let mut leg = Leg { first, word: Vec::new(), parameters: Vec::new() };
             for i in pieces.clone() {
+                pauses.tick()?;
                 self.legs[i % count].word.iter().for_each(|&h| push_reduced(mesh, &mut leg.word, h));
             }
             thin.steps.push(pieces.map(|i| self.steps[i % count]).sum());
             thin.legs.push(leg);
         }
-        thin
+        Ok(thin)
     }
 
     /// These samples where a thinner curve of the samples `kept` has them, which has come to lie at `points`, joined by
     /// `legs`.
-    pub fn refined(&self, mesh: &SurfaceMesh, kept: &[usize], points: &[SurfacePoint], legs: &[Leg]) -> Self {
-        let mut fine = Self { legs: Vec::new(), ..self.clone() };
-        let mut placed = vec![None; self.steps.len()];
+    ///
+    /// # Errors
+    /// As [`Samples::of_route`].
+    pub fn refined(
+        mut self,
+        mesh: &SurfaceMesh,
+        kept: &[usize],
+        points: &[SurfacePoint],
+        legs: &[&Leg],
+        pauses: &mut Pauses,
+    ) -> Result<Self> {
         let count = self.steps.len();
-        for (k, pieces) in self.pieces_of(kept).enumerate() {
+        // Freed one by one, as millions take their time.
+        for leg in std::mem::take(&mut self.legs) {
+            pauses.tick()?;
+            drop(leg);
+        }
+        let mut placed = vec![None; count];
+        let all_pieces: Vec<_> = self.pieces_of(kept).collect();
+        for (k, pieces) in all_pieces.into_iter().enumerate() {
             let (start, end) = (&points[k], &points[(k + 1) % points.len()]);
             let total: f64 = pieces.clone().map(|i| self.steps[i % count]).sum();
             let mut done = 0.0;
@@ -177,17 +216,17 @@ impl Samples {
             });
             let shares: Vec<f64> = shares.collect();
             let piece = Leg { first: legs[k].first, word: Vec::new(), parameters: Vec::new() };
-            let cuts = cut_leg(mesh, &legs[k], start, end, &shares, piece);
-            fine.points[pieces.start % count] = *start;
+            let cuts = cut_leg(mesh, legs[k], start, end, &shares, piece, pauses)?;
+            self.points[pieces.start % count] = *start;
             for (i, &point) in pieces.clone().skip(1).zip(&cuts.points) {
-                fine.points[i % count] = point;
+                self.points[i % count] = point;
             }
             for (i, leg) in pieces.zip(cuts.legs) {
                 placed[i % count] = Some(leg);
             }
         }
-        fine.legs = placed.into_iter().flatten().collect();
-        fine
+        self.legs = placed.into_iter().flatten().collect();
+        Ok(self)
     }
 }
 
@@ -199,16 +238,20 @@ struct Cuts {
 
 /// The piece of a leg from its start (`at_start`) to `share` of its length, or from there to its end: where it was cut, and
 /// its strip.
+///
+/// # Errors
+/// As [`Samples::of_route`].
 pub fn end_piece(
     mesh: &SurfaceMesh,
     leg: &Leg,
     [start, end]: [&SurfacePoint; 2],
     at_start: bool,
     share: f64,
-) -> Option<(SurfacePoint, Leg)> {
-    let cuts = cut_leg(mesh, leg, start, end, &[share], Leg::empty(leg.first));
+    pauses: &mut Pauses,
+) -> Result<Option<(SurfacePoint, Leg)>> {
+    let cuts = cut_leg(mesh, leg, start, end, &[share], Leg::empty(leg.first), pauses)?;
     let piece = if at_start { cuts.legs.into_iter().next() } else { cuts.legs.into_iter().nth(1) };
-    cuts.points.first().copied().zip(piece)
+    Ok(cuts.points.first().copied().zip(piece))
 }
 
 /// Cuts a leg at `shares` of its length, which rise; `piece` holds what lies before the leg's first letter.
@@ -219,7 +262,8 @@ fn cut_leg(
     end: &SurfacePoint,
     shares: &[f64],
     mut piece: Leg,
-) -> Cuts {
+    pauses: &mut Pauses,
+) -> Result<Cuts> {
     let length = leg.length(mesh, start, end);
     let mut cuts = Cuts { points: Vec::with_capacity(shares.len()), legs: Vec::with_capacity(shares.len() + 1) };
     let (mut triangle, mut here, mut done) = (leg.first, *start, 0.0);
@@ -227,12 +271,14 @@ fn cut_leg(
         let letter = leg.word.get(i).map(|&h| (h, leg.parameters[i]));
         let next = letter.map_or(*end, |(h, t)| crossing_point(mesh, h, t));
         let segment = mesh.position_of(&here).distance(mesh.position_of(&next));
+        pauses.tick()?;
         while let Some(share) = shares.get(cuts.points.len()) {
             let ahead = share * length - done;
             // The last segment takes what rounding has left over.
             if ahead > segment && letter.is_some() {
                 break;
             }
+            pauses.tick()?;
             let share = if segment > 0.0 { (ahead / segment).min(1.0) } else { 0.5 };
             let (a, b) = (in_triangle(mesh, &here, triangle), in_triangle(mesh, &next, triangle));
             let next_piece = Leg { first: triangle, word: Vec::new(), parameters: Vec::new() };
@@ -247,7 +293,7 @@ fn cut_leg(
         }
     }
     cuts.legs.push(piece);
-    cuts
+    Ok(cuts)
 }
 
 /// `point`, which `triangle` holds, moved a little inside it.

@@ -5,16 +5,22 @@
 
 use glam::DVec2;
 
+use crate::error::Result;
 use crate::ids::TriangleId;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::polyline::Polyline;
 use crate::report::Report;
 use crate::route::Route;
 use crate::spot::in_triangle;
 
 /// Self-crossings of a line. Cost: O(n log n) for n segments, and quadratic in how many share one triangle.
-pub fn count_self_crossings(mesh: &SurfaceMesh, route: &Route) -> usize {
-    let Some(line) = Polyline::assemble(mesh, route.clone(), Report::default()) else { return 0 };
+///
+/// # Errors
+/// [`crate::Error::Interrupted`] at one of the `pauses`.
+pub fn count_self_crossings(mesh: &SurfaceMesh, route: &Route, pauses: &mut Pauses) -> Result<usize> {
+    let line = Polyline::assemble_with_pauses(mesh, route.clone(), Report::default(), pauses)?;
+    let Some(line) = line else { return Ok(0) };
     let count = line.points.len();
     // Barycentric coordinates are as good as any for what lies on which side.
     let place = |point: usize, triangle: TriangleId| {
@@ -27,14 +33,18 @@ pub fn count_self_crossings(mesh: &SurfaceMesh, route: &Route) -> usize {
         .enumerate()
         .map(|(i, &triangle)| (triangle, [place(i, triangle), place((i + 1) % count, triangle)]))
         .collect();
+    pauses.pause()?;
     segments.sort_by_key(|segment| segment.0);
-    let groups = segments.chunk_by(|a, b| a.0 == b.0);
-    groups
-        .map(|group| {
-            let pairs = group.iter().enumerate().flat_map(|(i, a)| group[i + 1..].iter().map(move |b| (a.1, b.1)));
-            pairs.filter(|&(a, b)| is_crossing(a, b)).count()
-        })
-        .sum()
+    let mut crossings = 0;
+    for group in segments.chunk_by(|a, b| a.0 == b.0) {
+        for (i, a) in group.iter().enumerate() {
+            for b in &group[i + 1..] {
+                pauses.tick()?;
+                crossings += usize::from(is_crossing(a.1, b.1));
+            }
+        }
+    }
+    Ok(crossings)
 }
 
 fn is_crossing([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {

@@ -16,6 +16,7 @@ use crate::kept::{Kept, KeptFair, LegNote, LegStart, Made};
 use crate::leg_by_leg::smooth_leg_by_leg;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, Solver};
+use crate::pauses::Pauses;
 use crate::polyline::{Polyline, length_of};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
@@ -77,10 +78,13 @@ pub fn smooth_input(
         Some(note) => note.start,
         None => LegStart::of_leg(mesh, &route, i),
     };
+    go_on(observer, Step::Search)?;
     let starts: Vec<LegStart> = known.iter().enumerate().map(start_of).collect();
+    go_on(observer, Step::Search)?;
     if options.filter != Filter::None {
         if report.kept_legs == 0 {
             let (points, strip_triangles) = Polyline::outline(mesh, &route).expect(FITS);
+            go_on(observer, Step::Search)?;
             note_start(&mut report, &points, route.closed, strip_triangles, options);
         } else {
             note_kept_start(mesh, &mut report, &route, &starts);
@@ -132,7 +136,7 @@ pub fn smooth_input(
         }
     }
     go_on(observer, Step::Assemble)?;
-    let mut line = assemble(mesh, route, report);
+    let mut line = assemble(mesh, route, report, observer)?;
     if options.filter == Filter::None {
         note_start(&mut line.report, &line.points, line.closed, line.strip.len(), options);
     }
@@ -182,8 +186,9 @@ fn note_kept_start(mesh: &SurfaceMesh, report: &mut Report, route: &Route, start
 /// Why a route can be assembled.
 const FITS: &str = "legs of a route that the driver made fit its pins";
 
-fn assemble(mesh: &SurfaceMesh, route: Route, report: Report) -> Polyline {
-    Polyline::assemble(mesh, route, report).expect(FITS)
+fn assemble(mesh: &SurfaceMesh, route: Route, report: Report, observer: &mut dyn Observer) -> Result<Polyline> {
+    let mut pauses = Pauses::new(observer, Step::Assemble);
+    Ok(Polyline::assemble_with_pauses(mesh, route, report, &mut pauses)?.expect(FITS))
 }
 
 /// Tells the observer of a step; an error when it wants to stop.

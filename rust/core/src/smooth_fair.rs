@@ -7,11 +7,11 @@ use crate::error::{Error, OptionError, Result};
 use crate::filter::fair::FairCurve;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
+use crate::pauses::Pauses;
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
 use crate::samples::{Samples, mean_edge_length, route_length, with_seam};
 use crate::self_crossings::count_self_crossings;
-use crate::smooth::go_on;
 use crate::smooth_geodesic::points_of;
 use crate::span::SpanWork;
 
@@ -116,19 +116,24 @@ pub struct FairTask<'a> {
 /// [`OptionError`] for a closed line that nothing holds, [`Error::Collapsed`], [`Error::Interrupted`].
 pub fn smooth_fair(task: &FairTask, route: &mut Route, report: &mut Report, observer: &mut dyn Observer) -> Result<()> {
     let &FairTask { mesh, is_pinned, is_drawn, is_draft, options } = task;
-    let crossings_before = count_self_crossings(mesh, route);
+    let mut pauses = Pauses::new(observer, Step::Relax);
+    let crossings_before = count_self_crossings(mesh, route, &mut pauses)?;
+    pauses.pause()?;
     let input = with_seam(mesh, route.clone());
     let is_pinned = if route.pins.is_empty() { &[false] } else { is_pinned };
     let own_size =
         is_drawn.then(|| (STROKE_DETAIL_SHARE * route_length(mesh, &input)).max(mean_edge_length(mesh, &input)));
     let detail_size = choose_detail_size(mesh, &input, is_pinned, options.detail_size.or(own_size))?;
     report.detail_size = Some(detail_size);
-    let samples = Samples::of_route(mesh, &input, is_pinned, spacing_on(mesh, &input, detail_size));
+    pauses.pause()?;
+    let samples = Samples::of_route(mesh, &input, is_pinned, spacing_on(mesh, &input, detail_size), &mut pauses)?;
+    pauses.pause()?;
     let mut lowering = Lowering::new(task, report, observer);
     let (curve, is_settled) = lowering.refine(&samples, detail_size, if is_draft { &DRAFT } else { &FINAL })?;
     lowering.finish();
     *route = curve.to_route(mesh).ok_or(Error::Collapsed { iterations: report.iterations })?;
-    report.new_self_crossings = count_self_crossings(mesh, route).saturating_sub(crossings_before);
+    let crossings = count_self_crossings(mesh, route, &mut Pauses::new(observer, Step::Relax))?;
+    report.new_self_crossings = crossings.saturating_sub(crossings_before);
     report.stop_reason = match is_settled {
         false => StopReason::MaxIterations,
         true if route.touches_vertex() => StopReason::ConvergedAtVertices,
@@ -191,7 +196,7 @@ pub struct Lowering<'a> {
     stages: bool,
     work: SpanWork,
     report: &'a mut Report,
-    observer: &'a mut dyn Observer,
+    pauses: Pauses<'a>,
 }
 
 impl<'a> Lowering<'a> {
@@ -203,14 +208,14 @@ impl<'a> Lowering<'a> {
             stages: task.options.stages,
             work: SpanWork::with_cones(task.mesh.take_cones()),
             report,
-            observer,
+            pauses: Pauses::new(observer, Step::Relax),
         }
     }
 
-    fn open_curve(&mut self, samples: Samples, detail_size: f64) -> FairCurve {
-        let curve = FairCurve::new(self.mesh, samples, detail_size, &mut self.work, self.report);
+    fn open_curve(&mut self, samples: Samples, detail_size: f64) -> Result<FairCurve> {
+        let curve = FairCurve::new(self.mesh, samples, detail_size, &mut self.work, self.report, &mut self.pauses)?;
         self.report.energies = vec![curve.energy / curve.unit()];
-        curve
+        Ok(curve)
     }
 
     /// Ends the work.
@@ -226,7 +231,9 @@ impl<'a> Lowering<'a> {
         let mut stride = coarsest_stride(samples, detail_size / samples.unit);
         let finest = paces.finest_stride.min(stride);
         let mut kept = samples.kept_at(stride);
-        let mut curve = self.open_curve(samples.thinned(self.mesh, &kept), detail_size);
+        self.pauses.pause()?;
+        let coarse = samples.thinned(self.mesh, &kept, &mut self.pauses)?;
+        let mut curve = self.open_curve(coarse, detail_size)?;
         loop {
             let is_settled = self.lower(&mut curve, if stride == finest { &paces.last } else { &paces.coarse })?;
             if stride == finest || !is_settled {
@@ -235,9 +242,10 @@ impl<'a> Lowering<'a> {
             stride /= 2;
             let finer = samples.kept_at(stride);
             let places: Vec<usize> = kept.iter().filter_map(|i| finer.binary_search(i).ok()).collect();
-            let legs: Vec<_> = curve.spans.iter().map(|span| span.leg.clone()).collect();
-            let fine = samples.thinned(self.mesh, &finer).refined(self.mesh, &places, &curve.points, &legs);
-            curve = self.open_curve(fine, detail_size);
+            let legs: Vec<_> = curve.spans.iter().map(|span| &span.leg).collect();
+            let fine = samples.thinned(self.mesh, &finer, &mut self.pauses)?;
+            let fine = fine.refined(self.mesh, &places, &curve.points, &legs, &mut self.pauses)?;
+            std::mem::replace(&mut curve, self.open_curve(fine, detail_size)?).release(&mut self.pauses)?;
             kept = finer;
         }
     }
@@ -251,27 +259,30 @@ impl<'a> Lowering<'a> {
         let mut refused_size = f64::INFINITY;
         let mut refused_steps = 0;
         loop {
-            go_on(self.observer, Step::Relax)?;
-            let Some(step) = curve.step(self.mesh, reach, &mut self.work.cones) else { return Ok(true) };
+            self.pauses.pause()?;
+            let step = curve.step(self.mesh, reach, &mut self.work.cones, &mut self.pauses)?;
+            let Some(step) = step else { return Ok(true) };
             self.report.newton_steps += 1;
             let size = curve.relative_size(&step);
             if size > SHORTER * refused_size && reach >= LEAST_REACH * piece {
                 reach = reach.min(length) / 2.0;
                 continue;
             }
-            let next = curve.moved(self.mesh, &step, &mut self.work, self.report);
+            let next = curve.moved(self.mesh, &step, &mut self.work, self.report, &mut self.pauses)?;
             let fall = curve.energy - next.energy;
             let is_settled = size <= SETTLED_MOVE || step.fall <= SETTLED_FALL * curve.energy;
             refused_size = if fall > 0.0 { f64::INFINITY } else { size };
             refused_steps = if fall > 0.0 { 0 } else { refused_steps + 1 };
             if fall > 0.0 {
                 slow_steps = if fall < pace.slow_fall * curve.energy { slow_steps + 1 } else { 0 };
-                *curve = next;
+                std::mem::replace(curve, next).release(&mut self.pauses)?;
                 self.report.iterations += 1;
                 self.report.energies.push(curve.energy / curve.unit());
                 if self.stages {
                     self.report.stages.extend(curve.to_route(self.mesh).and_then(|route| points_of(self.mesh, &route)));
                 }
+            } else {
+                next.release(&mut self.pauses)?;
             }
             let share = fall / step.fall;
             if share > GOOD_SHARE {

@@ -12,6 +12,7 @@ use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
+use crate::pauses::Pauses;
 use crate::polyline::{Polyline, length_of};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
@@ -53,8 +54,10 @@ pub fn smooth_geodesic(
     let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
     let bounds = (limit, options.stages);
     let own_repeats = OwnRepeats::of_route(mesh, route);
+    go_on(observer, Step::Relax)?;
     let mut finish = straighten(mesh, route, &own_repeats, bounds, work, report, observer)?;
     let length_of_route = |route: &Route| points_of(mesh, route).map_or(0.0, |points| length_of(&points, route.closed));
+    go_on(observer, Step::VertexPass)?;
     let mut length = length_of_route(route);
     for _ in 0..MOST_RUNS {
         if !matches!(finish, Finish::Cycling) {
@@ -70,6 +73,7 @@ pub fn smooth_geodesic(
             finish = Finish::Settled;
         }
     }
+    go_on(observer, Step::VertexPass)?;
     route.snap_to_vertices(mesh);
     report.stop_reason = match (finish, route.touches_vertex()) {
         (Finish::Settled, false) => StopReason::Converged,
@@ -97,6 +101,7 @@ fn straighten(
             smooth_legs(mesh, route, limit, stages, work, report, observer)?
         };
         // Cutting a loop shortens the line, so this ends; measured, it happens on CAD slivers alone.
+        go_on(observer, Step::VertexPass)?;
         let cuts = own_repeats.cut_new_loops(mesh, route);
         report.loops_removed += cuts;
         if cuts == 0 || report.iterations >= limit {
@@ -173,11 +178,12 @@ fn smooth_legs(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<Finish> {
-    go_on(observer, Step::Relax)?;
+    let mut pauses = Pauses::new(observer, Step::Relax);
+    pauses.pause()?;
     let mut solvers: Vec<GeodesicLeg> = Vec::with_capacity(route.legs.len());
     for (i, leg) in route.legs.iter().enumerate() {
         let (Some(start), Some(end)) = (route.start_pin(i), route.end_pin(i)) else { continue };
-        solvers.push(GeodesicLeg::new(mesh, leg, start, end, work, report));
+        solvers.push(GeodesicLeg::new(mesh, leg, start, end, work, report, &mut pauses)?);
     }
     report.iterations += 1;
     let take_legs = |solvers: &[GeodesicLeg], work: &mut Workspace| -> Vec<Leg> {
@@ -192,10 +198,11 @@ fn smooth_legs(
         keep_stage(route, take_legs(&solvers, work), report);
     }
     while solvers.iter().any(GeodesicLeg::is_active) && report.iterations < limit {
-        go_on(observer, Step::VertexPass)?;
+        let mut pauses = Pauses::new(observer, Step::VertexPass);
+        pauses.pause()?;
         let before = (report.vertex_passes, report.funnels, report.loops_removed);
         for solver in solvers.iter_mut().filter(|s| s.is_active()) {
-            solver.advance(mesh, work, report);
+            solver.advance(mesh, work, report, &mut pauses)?;
         }
         // The last round only finds that nothing is left to do.
         if (report.vertex_passes, report.funnels, report.loops_removed) != before
@@ -229,14 +236,13 @@ fn smooth_loop(
     let word = std::mem::take(&mut route.legs[0].word);
     let shape = Route { closed: true, pins: Vec::new(), legs: Vec::new() };
     let mut is_limited = false;
-    let (leg, is_capped) = straighten_loop(mesh, word, work, report, |leg, report| {
-        go_on(observer, Step::Relax)?;
+    let (leg, is_capped) = straighten_loop(mesh, word, work, report, observer, |leg, report| {
         report.iterations += 1;
         if stages {
             report.stages.extend(points_of(mesh, &Route { legs: vec![leg.clone()], ..shape.clone() }));
         }
         is_limited = report.iterations >= limit;
-        Ok(!is_limited)
+        !is_limited
     })?;
     route.legs[0] = leg;
     Ok(match (is_limited, is_capped) {

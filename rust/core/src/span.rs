@@ -7,10 +7,12 @@
 use glam::{DVec2, DVec3};
 
 use crate::cone::{Cone, Cones};
+use crate::error::Result;
 use crate::filter::geodesic::{GeodesicLeg, Workspace};
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::relax::funnel::cross_portal;
 use crate::report::Report;
 use crate::spot::{Spot, crossing_position, crossing_spot, spot_of};
@@ -62,6 +64,9 @@ impl SpanWork {
 impl Span {
     /// The locally shortest line from `from` to `to` in the strip `leg`, whose parameters play no part, and beyond it
     /// over every vertex that the two-angle rule allows.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
     pub fn relax(
         mesh: &SurfaceMesh,
         from: &SurfacePoint,
@@ -69,23 +74,25 @@ impl Span {
         leg: Leg,
         work: &mut SpanWork,
         report: &mut Report,
-    ) -> Self {
+        pauses: &mut Pauses,
+    ) -> Result<Self> {
+        pauses.tick()?;
         let is_plain = |p: &SurfacePoint| matches!(spot_of(mesh, p), Spot::Inside(_));
         let mut leg = leg;
         if is_plain(from) && is_plain(to) {
             match Self::straight(mesh, from, to, leg, work) {
-                Ok(span) => return span,
+                Ok(span) => return Ok(span),
                 Err(bent) => leg = bent,
             }
-            leg = Self::by_passes(mesh, from, to, &leg, work, report);
+            leg = Self::by_passes(mesh, from, to, &leg, work, report, pauses)?;
             match Self::straight(mesh, from, to, leg, work) {
-                Ok(span) => return span,
+                Ok(span) => return Ok(span),
                 Err(bent) => leg = bent,
             }
         } else {
-            leg = Self::by_passes(mesh, from, to, &leg, work, report);
+            leg = Self::by_passes(mesh, from, to, &leg, work, report, pauses)?;
         }
-        Self::bent(mesh, from, to, leg)
+        Ok(Self::bent(mesh, from, to, leg))
     }
 
     /// The span when it is one straight line in its unfolded strip; else the leg back.
@@ -182,15 +189,16 @@ impl Span {
         leg: &Leg,
         work: &mut SpanWork,
         report: &mut Report,
-    ) -> Leg {
-        let mut solver = GeodesicLeg::new(mesh, leg, from, to, &mut work.geodesic, report);
+        pauses: &mut Pauses,
+    ) -> Result<Leg> {
+        let mut solver = GeodesicLeg::new(mesh, leg, from, to, &mut work.geodesic, report, pauses)?;
         for _ in 0..MAX_ROUNDS {
             if !solver.is_active() {
                 break;
             }
-            solver.advance(mesh, &mut work.geodesic, report);
+            solver.advance(mesh, &mut work.geodesic, report, pauses)?;
         }
-        solver.to_leg(mesh, &mut work.geodesic)
+        Ok(solver.to_leg(mesh, &mut work.geodesic))
     }
 
     /// The span of a finished leg that may run through mesh vertices, or begins or ends at one.

@@ -8,13 +8,14 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use smooth_polylines_core::cone::Cones;
 use smooth_polylines_core::ids::{TriangleId, VertexId};
+use smooth_polylines_core::pauses::Pauses;
 use smooth_polylines_core::samples::{Samples, route_length};
 use smooth_polylines_core::self_crossings::count_self_crossings;
 use smooth_polylines_core::spot::Spot;
 use smooth_polylines_core::strip::triangles_of;
 use smooth_polylines_core::trace::trace;
 use smooth_polylines_core::turn::{Heading, turn_at};
-use smooth_polylines_core::{SurfaceMesh, SurfacePoint};
+use smooth_polylines_core::{NoObserver, Step, SurfaceMesh, SurfacePoint};
 use support::random::Random;
 use support::shapes::{self, Shape};
 use support::{all_pinned, closed, faces, geodesic, line};
@@ -141,7 +142,9 @@ fn samples_lie_evenly_on_the_line_and_survive_thinning() {
         for is_pinned in
             [vec![true; route.pins.len()], [vec![true], vec![false; route.pins.len() - 2], vec![true]].concat()]
         {
-            let samples = Samples::of_route(&mesh, &route, &is_pinned, spacing);
+            let mut observer = NoObserver;
+            let mut pauses = Pauses::new(&mut observer, Step::Relax);
+            let samples = Samples::of_route(&mesh, &route, &is_pinned, spacing, &mut pauses).expect("nobody stops it");
             assert!((samples.steps.iter().sum::<f64>() * spacing - length).abs() < 1e-9 * length);
             assert!(samples.steps.iter().all(|&step| step <= 1.0 + 1e-12));
             let count = samples.points.len();
@@ -154,7 +157,7 @@ fn samples_lie_evenly_on_the_line_and_survive_thinning() {
             }
             for stride in [2, 4, 16] {
                 let kept = samples.kept_at(stride);
-                let thin = samples.thinned(&mesh, &kept);
+                let thin = samples.thinned(&mesh, &kept, &mut pauses).expect("nobody stops it");
                 assert!((thin.steps.iter().sum::<f64>() - samples.steps.iter().sum::<f64>()).abs() < 1e-9);
                 assert_eq!(thin.points.len(), kept.len());
                 assert!(samples.is_pinned.iter().enumerate().all(|(i, &p)| !p || kept.binary_search(&i).is_ok()));
@@ -172,7 +175,9 @@ fn a_figure_eight_crosses_itself_once_and_a_ring_does_not() {
     let mesh = shape.mesh();
     let ring = |places: [[f64; 2]; 4]| {
         let picks = faces(&places.map(|[x, y]| shape.nearest(DVec3::new(x, y, 0.0))));
-        count_self_crossings(&mesh, &line(&mesh, &picks, &closed(all_pinned(geodesic()))).route)
+        let route = line(&mesh, &picks, &closed(all_pinned(geodesic()))).route;
+        let mut observer = NoObserver;
+        count_self_crossings(&mesh, &route, &mut Pauses::new(&mut observer, Step::Relax)).expect("nobody stops it")
     };
     assert_eq!(ring([[0.2, 0.3], [0.8, 0.7], [0.8, 0.3], [0.2, 0.7]]), 1);
     assert_eq!(ring([[0.2, 0.3], [0.8, 0.3], [0.8, 0.7], [0.2, 0.7]]), 0);

@@ -6,7 +6,8 @@ mod support;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
-use smooth_polylines_core::{Error, Options, Pick, Pinned, Polyline};
+use smooth_polylines_core::pauses::Pauses;
+use smooth_polylines_core::{Error, NoObserver, Options, Pick, Pinned, Polyline, Step};
 use support::random::Random;
 use support::shapes::{self, Shape};
 use support::{all_pinned, at, closed, faces, fair, geodesic, line, try_line};
@@ -294,7 +295,14 @@ fn self_crossings_that_the_input_did_not_have_are_told() {
     let hairpin = [[0.5, 0.2], [0.5, 0.7], [0.55, 0.2], [0.9, 0.2], [0.9, 0.73], [0.54, 0.73]];
     let swung = line(&mesh, &picks_above(&shape, &hairpin), &all_pinned(fair()));
     let before = line(&mesh, &picks_above(&shape, &hairpin), &all_pinned(geodesic()));
-    let crossings = |line: &Polyline| smooth_polylines_core::self_crossings::count_self_crossings(&mesh, &line.route);
+    let crossings = |line: &Polyline| {
+        smooth_polylines_core::self_crossings::count_self_crossings(
+            &mesh,
+            &line.route,
+            &mut Pauses::new(&mut NoObserver, Step::Relax),
+        )
+        .expect("nobody stops it")
+    };
     assert_eq!(swung.report.new_self_crossings, crossings(&swung).saturating_sub(crossings(&before)));
     assert!(swung.report.new_self_crossings > 0, "{} after, {} before", crossings(&swung), crossings(&before));
 }

@@ -4,19 +4,23 @@
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
-use smooth_polylines_core::{Error, Observer, Step};
+use smooth_polylines_core::{Error, Observer, Polyline, Step};
 
 use crate::errors;
 use crate::limits::{Limit, Limits};
 use crate::threads::pool;
 
 /// Longest time between two looks at Python's signals: Ctrl-C has to stop a run within 0.2 s.
-const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Points of lines from which on work on them may take a tenth of a second.
+const LONG_POINTS: usize = 50_000;
 
 /// What `work` returns, computed while other Python threads run; a panic becomes InternalError.
 pub fn run_detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
@@ -88,6 +92,25 @@ pub fn run_apart<T: Send + 'static>(
         Some(outcome) => outcome.map_err(|panic| errors::internal_error(py, &*panic)),
         None => Err(watch.raise(py, Error::Interrupted)),
     }
+}
+
+/// What `work` on lines returns: as [`run_apart`] where they have so many points that Ctrl-C should not wait for it, else as
+/// [`run_detached`].
+pub fn run_on_lines<T: Send + 'static>(
+    py: Python<'_>,
+    lines: &[Arc<Polyline>],
+    work: impl FnOnce(&[&Polyline]) -> T + Send + 'static,
+) -> PyResult<T> {
+    let points: usize = lines.iter().map(|line| line.points.len()).sum();
+    if points < LONG_POINTS {
+        let lines: Vec<&Polyline> = lines.iter().map(|line| &**line).collect();
+        return run_detached(py, || work(&lines));
+    }
+    let lines = lines.to_vec();
+    run_apart(py, &mut Watch::start(), move || {
+        let lines: Vec<&Polyline> = lines.iter().map(|line| &**line).collect();
+        work(&lines)
+    })
 }
 
 /// What `work` returns, for calls too short to release the interpreter; a panic becomes InternalError.

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
+use smooth_polylines_core::SurfaceMesh;
 use smooth_polylines_core::embed::crossings::{Crossing, find_crossings as find};
-use smooth_polylines_core::{Polyline, SurfaceMesh};
 
-use crate::border::run_detached;
+use crate::border::run_on_lines;
 use crate::cut_calls::{check_lines, read_lines};
 use crate::errors::from_core;
 use crate::frozen_arrays::{freeze_owned, freeze_vector, id_rows};
@@ -126,8 +126,9 @@ pub fn find_crossings(py: Python<'_>, lines: &Bound<'_, PyAny>) -> PyResult<PyCr
         return Ok(PyCrossings::new(None, Vec::new()));
     };
     check_lines(py, &mesh, &lines)?;
-    let of_core: Vec<&Polyline> = lines.iter().map(|(_, line)| line.get().line()).collect();
-    let mut found = run_detached(py, || find(&mesh, &of_core))?.map_err(|error| from_core(py, error))?;
+    let of_core: Vec<_> = lines.iter().map(|(_, line)| line.get().shared_line()).collect();
+    let on = Arc::clone(&mesh);
+    let mut found = run_on_lines(py, &of_core, move |lines| find(&on, lines))?.map_err(|error| from_core(py, error))?;
     for crossing in &mut found {
         crossing.lines = crossing.lines.map(|line| lines[line as usize].0);
     }
@@ -138,7 +139,9 @@ pub fn find_crossings(py: Python<'_>, lines: &Bound<'_, PyAny>) -> PyResult<PyCr
 impl PyPolyline {
     /// Where this line meets itself: Crossings. See `find_crossings`.
     fn self_crossings(&self, py: Python<'_>) -> PyResult<PyCrossings> {
-        let found = run_detached(py, || find(self.mesh(), &[self.line()]))?.map_err(|error| from_core(py, error))?;
+        let mesh = Arc::clone(self.mesh());
+        let found = run_on_lines(py, &[self.shared_line()], move |lines| find(&mesh, lines))?
+            .map_err(|error| from_core(py, error))?;
         Ok(PyCrossings::new(Some(Arc::clone(self.mesh())), found))
     }
 }

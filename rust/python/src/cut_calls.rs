@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use smooth_polylines_core::embed::{DEFAULT_TOLERANCE, Embedding};
 use smooth_polylines_core::{MeshError, Polyline, SurfaceMesh};
 
-use crate::border::run_detached;
+use crate::border::run_on_lines;
 use crate::cut::PyCut;
 use crate::errors::{from_core, option_error, type_error};
 use crate::line_options::read_tolerance;
@@ -57,9 +57,10 @@ pub fn check_lines(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[(u32, Py<Py
 }
 
 /// Puts lines of a mesh into it.
-pub fn cut(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[&Polyline], tolerance: f64) -> PyResult<PyCut> {
-    let embedding =
-        run_detached(py, || Embedding::new(mesh, lines, tolerance))?.map_err(|error| from_core(py, error))?;
+pub fn cut(py: Python<'_>, mesh: &Arc<SurfaceMesh>, lines: &[Arc<Polyline>], tolerance: f64) -> PyResult<PyCut> {
+    let on = Arc::clone(mesh);
+    let embedding = run_on_lines(py, lines, move |lines| Embedding::new(&on, lines, tolerance))?
+        .map_err(|error| from_core(py, error))?;
     let (found, limit) = (mesh.positions().len() + embedding.new.len(), i32::MAX as usize);
     if found > limit {
         return Err(from_core(py, MeshError::TooLarge { argument: "positions", found, limit }.into()));
@@ -96,7 +97,7 @@ impl PyPolyline {
     /// array([4, 5, 6], dtype=int32)
     #[pyo3(signature = (tolerance=DEFAULT_TOLERANCE), text_signature = "($self, tolerance=0.001)")]
     fn cut(&self, py: Python<'_>, #[pyo3(from_py_with = read_tolerance)] tolerance: f64) -> PyResult<PyCut> {
-        cut(py, self.mesh(), &[self.line()], tolerance)
+        cut(py, self.mesh(), &[self.shared_line()], tolerance)
     }
 }
 
@@ -144,7 +145,7 @@ impl PySurfaceMesh {
     ) -> PyResult<PyCut> {
         let lines = read_lines("lines", lines)?;
         check_lines(py, &self.mesh, &lines)?;
-        let lines: Vec<&Polyline> = lines.iter().map(|(_, line)| line.get().line()).collect();
+        let lines: Vec<_> = lines.iter().map(|(_, line)| line.get().shared_line()).collect();
         cut(py, &self.mesh, &lines, tolerance)
     }
 }

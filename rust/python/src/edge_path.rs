@@ -1,11 +1,13 @@
 //! `EdgePath`: a path along existing edges near a line, and the method that finds it.
 
+use std::sync::Arc;
+
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smooth_polylines_core::edge_path::{self, EdgePath};
 
-use crate::border::run_detached;
+use crate::border::run_on_lines;
 use crate::errors::from_core;
 use crate::frozen_arrays::{freeze_owned, freeze_vector, id_rows};
 use crate::polyline::PyPolyline;
@@ -86,7 +88,8 @@ impl PyPolyline {
     /// >>> line.edge_path().vertices
     /// array([0, 2], dtype=int32)
     fn edge_path(&self, py: Python<'_>) -> PyResult<PyEdgePath> {
-        let path = run_detached(py, || edge_path::edge_path(self.mesh(), self.line()))?
+        let mesh = Arc::clone(self.mesh());
+        let path = run_on_lines(py, &[self.shared_line()], move |lines| edge_path::edge_path(&mesh, lines[0]))?
             .map_err(|error| from_core(py, error))?;
         Ok(PyEdgePath { path })
     }

@@ -20,7 +20,7 @@ use crate::ray_hits::PyRayHits;
 
 /// Triangles from which on work over a whole mesh may take longer than Ctrl-C should have to wait: a million take a
 /// tenth of a second to open.
-const LONG_TRIANGLES: usize = 500_000;
+const LONG_TRIANGLES: usize = 200_000;
 
 /// A triangle mesh, opened for lines.
 ///

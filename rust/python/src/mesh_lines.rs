@@ -58,7 +58,7 @@ impl PySurfaceMesh {
     ///     Seconds after which the call is ended. How far it comes in that time hangs on the machine, so no line is
     ///     returned; `max_iterations` is the limit that gives a line, the same on every machine.
     /// stop : threading.Event or any object with `is_set()`, optional
-    ///     Ends the call soon after another thread has set it: it is looked at twenty times a second.
+    ///     Ends the call soon after another thread has set it: it is looked at fifty times a second.
     ///
     /// The interpreter is released meanwhile; Ctrl-C stops the work. Cost: a search between the picks, then linear in
     /// the strip for each step.

@@ -19,7 +19,7 @@ use smooth_polylines_core::{
     Error as CoreError, Options, Pick, Polyline, Result as CoreResult, SurfaceMesh, SurfacePoint,
 };
 
-use crate::border::{LineWatch, Seconds, run_detached};
+use crate::border::{LineWatch, Seconds, run_on_lines};
 use crate::crossings::PyCrossings;
 use crate::cut::PyCut;
 use crate::cut_calls::cut;
@@ -141,8 +141,8 @@ impl PyNetwork {
     }
 
     /// The lines there are, each with its place in the net.
-    fn made(&self) -> (Vec<u32>, Vec<&Polyline>) {
-        let made = (0..).zip(&self.of_core).filter_map(|(i, line)| Some((i, line.as_ref()?.get().line())));
+    fn made(&self) -> (Vec<u32>, Vec<Arc<Polyline>>) {
+        let made = (0..).zip(&self.of_core).filter_map(|(i, line)| Some((i, line.as_ref()?.get().shared_line())));
         made.unzip()
     }
 
@@ -151,8 +151,9 @@ impl PyNetwork {
             return Ok(found);
         }
         let (places, lines) = self.made();
-        let mut found =
-            run_detached(py, || find_crossings(&self.mesh, &lines))?.map_err(|error| from_core(py, error))?;
+        let mesh = Arc::clone(&self.mesh);
+        let mut found = run_on_lines(py, &lines, move |lines| find_crossings(&mesh, lines))?
+            .map_err(|error| from_core(py, error))?;
         found.retain(|crossing| crossing.is_transversal);
         for crossing in &mut found {
             crossing.lines = crossing.lines.map(|line| places[line as usize]);

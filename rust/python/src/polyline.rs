@@ -24,7 +24,7 @@ use crate::report::PyReport;
 #[pyclass(frozen, module = "smooth_polylines", name = "Polyline")]
 pub struct PyPolyline {
     mesh: Arc<SurfaceMesh>,
-    line: Polyline,
+    line: Arc<Polyline>,
     /// For the line with other picks; none of a line that was not made from picks alone.
     kept: Option<Kept>,
     report: Py<PyReport>,
@@ -42,7 +42,7 @@ impl PyPolyline {
         let report = Py::new(py, PyReport::new(std::mem::take(&mut line.report), seconds))?;
         Ok(Self {
             mesh,
-            line,
+            line: Arc::new(line),
             kept: None,
             report,
             points: PyOnceLock::new(),
@@ -62,6 +62,11 @@ impl PyPolyline {
     /// The line itself.
     pub fn line(&self) -> &Polyline {
         &self.line
+    }
+
+    /// The line, for work that may outlive the call.
+    pub fn shared_line(&self) -> Arc<Polyline> {
+        Arc::clone(&self.line)
     }
 
     /// What it keeps for the line with other picks.

@@ -14,8 +14,9 @@ use crate::filter::geodesic::{GeodesicLeg, Workspace, cross_straight, unwind};
 use crate::ids::{HalfedgeId, VertexId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::relax::funnel::Funnel;
-use crate::report::Report;
+use crate::report::{Observer, Report, Step};
 use crate::spot::{crossing_position, parameter_at};
 use crate::strip::{push_reduced, reduce_seam};
 use crate::surface_point::SurfacePoint;
@@ -48,26 +49,28 @@ enum Next {
 }
 
 /// Straightens a closed strip; also tells whether a vertex was left because it had changed too often. `on_round` is told
-/// the line after each round and may stop the work.
+/// the line after each round and says whether another may follow.
 ///
 /// # Errors
-/// [`Error::Collapsed`] when the line shrinks to a point, and what `on_round` returns.
+/// [`Error::Collapsed`] when the line shrinks to a point, [`Error::Interrupted`].
 pub fn straighten_loop(
     mesh: &SurfaceMesh,
     word: Vec<HalfedgeId>,
     work: &mut Workspace,
     report: &mut Report,
-    mut on_round: impl FnMut(&Leg, &mut Report) -> Result<bool>,
+    observer: &mut dyn Observer,
+    mut on_round: impl FnMut(&Leg, &mut Report) -> bool,
 ) -> Result<(Leg, bool)> {
-    let mut state = relax_loop(mesh, word, report)?;
+    let mut state = relax_loop(mesh, word, report, &mut Pauses::new(observer, Step::Relax))?;
     loop {
         match state {
             Loop::Straight(leg) => {
-                on_round(&leg, report)?;
+                on_round(&leg, report);
                 return Ok((leg, false));
             }
             Loop::Anchored { word, vertex, run_length } => {
-                match relax_anchored(mesh, word, vertex, run_length, work, report, &mut on_round)? {
+                let mut pauses = Pauses::new(observer, Step::VertexPass);
+                match relax_anchored(mesh, word, vertex, run_length, work, report, &mut pauses, &mut on_round)? {
                     Next::Done(leg, is_capped) => return Ok((leg, is_capped)),
                     Next::Again(next) => state = next,
                 }
@@ -77,7 +80,7 @@ pub fn straighten_loop(
 }
 
 /// Finds the best point of the first letter's edge to go round from.
-fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report) -> Result<Loop> {
+fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report, pauses: &mut Pauses) -> Result<Loop> {
     let collapsed = Err(Error::Collapsed { iterations: report.iterations });
     reduce_seam(mesh, &mut word);
     let Some(&first) = word.first() else { return collapsed };
@@ -126,6 +129,7 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
                 below = s
             }
             s = 0.5 * (below + above);
+            pauses.pause()?;
             (corners, slope) = go_round(&mut unfolding, s);
         }
     }
@@ -150,6 +154,7 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
 }
 
 /// The open line from the anchor round to itself, and then whether the anchor stays.
+#[expect(clippy::too_many_arguments, reason = "one step of a loop, with all that it works on")]
 fn relax_anchored(
     mesh: &SurfaceMesh,
     word: Vec<HalfedgeId>,
@@ -157,14 +162,17 @@ fn relax_anchored(
     run_length: usize,
     work: &mut Workspace,
     report: &mut Report,
-    on_round: &mut impl FnMut(&Leg, &mut Report) -> Result<bool>,
+    pauses: &mut Pauses,
+    on_round: &mut impl FnMut(&Leg, &mut Report) -> bool,
 ) -> Result<Next> {
+    pauses.pause()?;
     let collapsed = Err(Error::Collapsed { iterations: report.iterations });
     let (run, rest) = word.split_at(run_length);
     let Some(&first) = rest.first() else { return collapsed };
     let pin = point_at_vertex(mesh, first, vertex);
     let open = Leg { first: first.triangle(), word: rest.to_vec(), parameters: Vec::new() };
-    let mut solver = GeodesicLeg::new(mesh, &open, &pin, &pin, work, report);
+    let mut solver = GeodesicLeg::new(mesh, &open, &pin, &pin, work, report, pauses)?;
+    pauses.pause()?;
     let whole = |solver: &GeodesicLeg, work: &mut Workspace| {
         let leg = solver.to_leg(mesh, work);
         let mut turn = Vec::new();
@@ -175,11 +183,12 @@ fn relax_anchored(
     };
     let (mut may_go_on, mut is_held) = (true, true);
     while solver.is_active() && may_go_on && is_held {
-        solver.advance(mesh, work, report);
+        pauses.pause()?;
+        solver.advance(mesh, work, report, pauses)?;
         let (leg, turn) = whole(&solver, work);
         // Without a turn the line goes by the anchor: from here on it would only be held back there.
         is_held = !turn.is_empty();
-        may_go_on = on_round(&with_turn(mesh, &leg, &turn, vertex), report)?;
+        may_go_on = on_round(&with_turn(mesh, &leg, &turn, vertex), report);
     }
     let (leg, turn) = whole(&solver, work);
     if leg.word.is_empty() {
@@ -221,7 +230,7 @@ fn relax_anchored(
             return Ok(Next::Again(Loop::Anchored { word, vertex: *vertex, run_length: letters.len() }));
         }
     }
-    Ok(Next::Again(relax_loop(mesh, word, report)?))
+    Ok(Next::Again(relax_loop(mesh, word, report, pauses)?))
 }
 
 /// The closed leg: the open line and the letters that turn round the anchor.

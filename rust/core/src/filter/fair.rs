@@ -22,9 +22,11 @@ use std::rc::Rc;
 use glam::{DMat2, DVec2, DVec3};
 
 use crate::cone::Cones;
+use crate::error::Result;
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::relax::banded::Banded;
 use crate::report::Report;
 use crate::route::Route;
@@ -81,20 +83,26 @@ pub struct FairStep {
 
 impl FairCurve {
     /// The curve where the samples are now, `detail_size` in the units of the positions.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
     pub fn new(
         mesh: &SurfaceMesh,
         samples: Samples,
         detail_size: f64,
         work: &mut SpanWork,
         report: &mut Report,
-    ) -> Self {
+        pauses: &mut Pauses,
+    ) -> Result<Self> {
         let count = samples.points.len();
         let spans = samples.legs.iter().enumerate().map(|(i, leg)| {
-            Span::relax(mesh, &samples.points[i], &samples.points[(i + 1) % count], leg.clone(), work, report)
+            let (from, to) = (&samples.points[i], &samples.points[(i + 1) % count]);
+            Span::relax(mesh, from, to, leg.clone(), work, report, pauses)
         });
-        let (spans, points) = (spans.collect(), samples.points.clone());
+        let (spans, points) = (spans.collect::<Result<_>>()?, samples.points.clone());
         let closeness = (detail_size / samples.unit).max(LEAST_DETAIL).powi(-4);
-        Self { input: Rc::new(samples), closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh)
+        Self { input: Rc::new(samples), closeness, points, spans, frames: Vec::new(), energy: 0.0 }
+            .measured(mesh, pauses)
     }
 
     /// The unit of length, in the units of the positions.
@@ -133,34 +141,41 @@ impl FairCurve {
         self.spans[span].length / self.input.unit / self.input.steps[span]
     }
 
-    fn measured(mut self, mesh: &SurfaceMesh) -> Self {
-        self.frames = (0..self.count()).map(|i| self.frame(mesh, i)).collect();
-        self.energy = (0..self.count())
-            .map(|i| {
-                let bending = self.acceleration(i).map_or(0.0, |a| a.length_squared() / self.weight(i));
-                let off = self.offset(mesh, i);
-                bending + self.closeness * self.weight(i) * off.length_squared()
-            })
-            .sum();
-        self
+    fn measured(mut self, mesh: &SurfaceMesh, pauses: &mut Pauses) -> Result<Self> {
+        let frame = |i: usize| {
+            pauses.tick()?;
+            Ok(self.frame(mesh, i))
+        };
+        self.frames = (0..self.count()).map(frame).collect::<Result<_>>()?;
+        self.energy = 0.0;
+        for i in 0..self.count() {
+            pauses.tick()?;
+            let bending = self.acceleration(i).map_or(0.0, |a| a.length_squared() / self.weight(i));
+            let off = self.offset(mesh, i);
+            self.energy += bending + self.closeness * self.weight(i) * off.length_squared();
+        }
+        Ok(self)
     }
 
     /// The surface's Gauss curvature at each sample: angle defects over areas, of the vertices along the curve.
-    fn curvatures(&self, mesh: &SurfaceMesh, cones: &mut Cones) -> Vec<f64> {
+    fn curvatures(&self, mesh: &SurfaceMesh, cones: &mut Cones, pauses: &mut Pauses) -> Result<Vec<f64>> {
         let mut of_span = |span: &Span| {
+            pauses.tick()?;
             let entered = span.leg.word.iter().filter_map(|&h| mesh.twin(h)).map(HalfedgeId::triangle);
             let spokes = std::iter::once(span.leg.first).chain(entered).flat_map(TriangleId::halfedges);
-            spokes.map(|h| cones.get(mesh, h)).fold(DVec2::ZERO, |sum, cone| sum + DVec2::new(cone.defect, cone.area))
+            let cones = spokes.map(|h| cones.get(mesh, h));
+            Ok(cones.fold(DVec2::ZERO, |sum, cone| sum + DVec2::new(cone.defect, cone.area)))
         };
-        let sums: Vec<DVec2> = self.spans.iter().map(&mut of_span).collect();
+        let sums: Vec<DVec2> = self.spans.iter().map(&mut of_span).collect::<Result<_>>()?;
         let count = sums.len() as isize;
         let at = |k: isize| {
             let k = if self.input.closed { k.rem_euclid(count) } else { k };
             (0..count).contains(&k).then(|| sums[k as usize])
         };
         let mean = |i: isize| {
+            pauses.tick()?;
             let sum: DVec2 = (i - CURVATURE_SPANS..i + CURVATURE_SPANS).filter_map(at).sum();
-            if sum.y > 0.0 { sum.x / sum.y * self.input.unit.powi(2) } else { 0.0 }
+            Ok(if sum.y > 0.0 { sum.x / sum.y * self.input.unit.powi(2) } else { 0.0 })
         };
         (0..self.count() as isize).map(mean).collect()
     }
@@ -208,13 +223,23 @@ impl FairCurve {
     /// The Gauss-Newton step that leaves alone what is longer than `reach`, a length: it is
     /// held back by closeness to where the curve is, as if that were its input and `reach` its detail size. `None` when
     /// there is no such step.
-    pub fn step(&self, mesh: &SurfaceMesh, reach: f64, cones: &mut Cones) -> Option<FairStep> {
+    ///
+    /// # Errors
+    /// As [`FairCurve::new`].
+    pub fn step(
+        &self,
+        mesh: &SurfaceMesh,
+        reach: f64,
+        cones: &mut Cones,
+        pauses: &mut Pauses,
+    ) -> Result<Option<FairStep>> {
         let count = self.count();
         let hold = reach.powi(-4);
-        let curvatures = self.curvatures(mesh, cones);
+        let curvatures = self.curvatures(mesh, cones, pauses)?;
         let mut matrix = Banded::zero(2 * count, 5);
         let mut right = vec![0.0; 2 * count];
         for (i, &curvature) in curvatures.iter().enumerate() {
+            pauses.tick()?;
             self.add_bending(i, curvature, &mut matrix, &mut right);
             if self.input.is_pinned[i] {
                 (0..2).for_each(|c| matrix.add(2 * i + c, 0, 1.0));
@@ -227,13 +252,15 @@ impl FairCurve {
                 right[2 * i + c] -= self.closeness * weight * off.dot(self.frames[i].axes[c]);
             }
         }
-        let solution = matrix.solve(&right, self.input.closed)?;
+        let Some(solution) = matrix.into_solution(&right, self.input.closed, || pauses.tick())? else {
+            return Ok(None);
+        };
         let ways: Vec<DVec2> = solution.chunks(2).map(DVec2::from_slice).collect();
         // The model is E - 2 right v + v A v with (A + hold) v = right.
         let held = |(i, way): (usize, &DVec2)| hold * self.weight(i) * way.length_squared();
         let fall = right.iter().zip(&solution).map(|(r, v)| r * v).sum::<f64>()
             + ways.iter().enumerate().map(held).sum::<f64>();
-        Some(FairStep { ways, fall })
+        Ok(Some(FairStep { ways, fall }))
     }
 
     /// Adds one second difference's part of the normal equations.
@@ -268,10 +295,21 @@ impl FairCurve {
     }
 
     /// The curve after a step: samples go straight ahead on the surface, and the spans follow.
-    pub fn moved(&self, mesh: &SurfaceMesh, step: &FairStep, work: &mut SpanWork, report: &mut Report) -> Self {
+    ///
+    /// # Errors
+    /// As [`FairCurve::new`].
+    pub fn moved(
+        &self,
+        mesh: &SurfaceMesh,
+        step: &FairStep,
+        work: &mut SpanWork,
+        report: &mut Report,
+        pauses: &mut Pauses,
+    ) -> Result<Self> {
         let mut points = self.points.clone();
         let mut crossed = vec![Vec::new(); points.len()];
         for i in (0..points.len()).filter(|&i| !self.input.is_pinned[i]) {
+            pauses.tick()?;
             let [x, y] = self.frames[i].axes;
             let way = self.input.unit * (step.ways[i].x * x + step.ways[i].y * y);
             points[i] = trace(mesh, &self.points[i], way, &mut crossed[i]);
@@ -279,11 +317,15 @@ impl FairCurve {
         let spans = self.spans.iter().enumerate().map(|(i, span)| {
             let next = (i + 1) % points.len();
             let leg = span.leg.between_moved(mesh, points[i].triangle, &crossed[i], &crossed[next]);
-            Span::relax(mesh, &points[i], &points[next], leg, work, report)
+            if i > 0 {
+                // Freed one by one, as millions take their time.
+                crossed[i] = Vec::new();
+            }
+            Span::relax(mesh, &points[i], &points[next], leg, work, report, pauses)
         });
-        let spans = spans.collect();
+        let spans = spans.collect::<Result<_>>()?;
         let input = Rc::clone(&self.input);
-        Self { input, closeness: self.closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh)
+        Self { input, closeness: self.closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh, pauses)
     }
 
     /// The curve as a line: its crossings alone, between its pins. `None` when a closed curve without pins crosses
@@ -312,6 +354,19 @@ impl FairCurve {
         let mut route = Route { closed: self.input.closed, pins, legs };
         route.snap_to_vertices(mesh);
         Some(route)
+    }
+
+    /// Frees the curve; dropping one of millions of spans at once would hold up everything.
+    ///
+    /// # Errors
+    /// As [`FairCurve::new`].
+    pub fn release(self, pauses: &mut Pauses) -> Result<()> {
+        let legs = Rc::into_inner(self.input).map(|samples| samples.legs).unwrap_or_default();
+        for leg in self.spans.into_iter().map(|span| span.leg).chain(legs) {
+            pauses.tick()?;
+            drop(leg);
+        }
+        Ok(())
     }
 
     /// The longest way in a step, relative to the distance of the samples there.

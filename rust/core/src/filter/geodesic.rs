@@ -14,9 +14,11 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use crate::chain::{Chain, END, START};
+use crate::error::Result;
 use crate::ids::{HalfedgeId, VertexId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::relax::funnel::{Funnel, cross_portal};
 use crate::report::Report;
 use crate::spot::{Spot, parameter_at, spot_of};
@@ -27,6 +29,9 @@ use crate::vertex_pass::{ANGLE_SLACK, angle_between, measure_sides, other_side_w
 /// Changes at one mesh vertex after which it is left as it is. In exact arithmetic a handful is enough, as every change
 /// shortens the line; more are rounding at needles, and would go on for ever.
 const MAX_CHANGES_AT_VERTEX: u32 = 60;
+
+/// Letters of a stretch that take milliseconds to unfold.
+const LONG_STRETCH: usize = 10_000;
 
 /// Work space shared by the legs of a line; kept for its memory.
 #[derive(Debug, Default)]
@@ -63,6 +68,9 @@ pub struct GeodesicLeg {
 
 impl GeodesicLeg {
     /// Straightens the leg's strip once (step C of the first round).
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
     pub fn new(
         mesh: &SurfaceMesh,
         leg: &Leg,
@@ -70,7 +78,8 @@ impl GeodesicLeg {
         end: &SurfacePoint,
         work: &mut Workspace,
         report: &mut Report,
-    ) -> Self {
+        pauses: &mut Pauses,
+    ) -> Result<Self> {
         let anchor = |p: &SurfacePoint| Anchor { position: mesh.position_of(p), spot: spot_of(mesh, p) };
         let mut this = Self {
             chain: Chain::new(leg.first, &leg.word),
@@ -82,8 +91,8 @@ impl GeodesicLeg {
             dropped_at_end: Vec::new(),
             is_capped: false,
         };
-        this.straighten(mesh, START, END, work, report);
-        this
+        this.straighten(mesh, START, END, work, report, pauses)?;
+        Ok(this)
     }
 
     /// Whether anything is left to look at.
@@ -92,12 +101,22 @@ impl GeodesicLeg {
     }
 
     /// One round: step D at every corner that may need it, and then step C on the stretches that changed.
-    pub fn advance(&mut self, mesh: &SurfaceMesh, work: &mut Workspace, report: &mut Report) {
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
+    pub fn advance(
+        &mut self,
+        mesh: &SurfaceMesh,
+        work: &mut Workspace,
+        report: &mut Report,
+        pauses: &mut Pauses,
+    ) -> Result<()> {
         let mut round = std::mem::take(&mut self.active);
         round.sort_unstable();
         round.dedup();
         let mut changed = Vec::new();
         for corner in round {
+            pauses.tick()?;
             // A corner whose run a neighbour's pass has cut is measured anew first, and looked at in the next round.
             let is_measured =
                 corner != START && corner != END && self.chain.is_alive(corner) && !self.chain.is_cut(corner);
@@ -108,11 +127,13 @@ impl GeodesicLeg {
         changed.sort_unstable();
         changed.dedup();
         for from in changed {
+            pauses.tick()?;
             // Where a later change removed `from`, it noted the corner before it.
             if self.chain.is_alive(from) {
-                self.straighten(mesh, from, self.chain.next_corner(from), work, report);
+                self.straighten(mesh, from, self.chain.next_corner(from), work, report, pauses)?;
             }
         }
+        Ok(())
     }
 
     /// Step D at one corner, if the line is better off without it there. Returns the corner before the change.
@@ -153,7 +174,15 @@ impl GeodesicLeg {
     }
 
     /// Step C on the stretch between two neighbouring corners or ends.
-    fn straighten(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, work: &mut Workspace, report: &mut Report) {
+    fn straighten(
+        &mut self,
+        mesh: &SurfaceMesh,
+        from: u32,
+        to: u32,
+        work: &mut Workspace,
+        report: &mut Report,
+        pauses: &mut Pauses,
+    ) -> Result<()> {
         self.chain.stretch(from, to, &mut work.links, &mut work.letters);
         let kept = self.trim(mesh, from, to, &work.letters);
         work.links.truncate(kept.end);
@@ -164,12 +193,18 @@ impl GeodesicLeg {
         self.active.extend([from, to]);
         if work.letters.is_empty() {
             self.measure_direct(mesh, from, to, a, b);
-            return;
+            return Ok(());
         }
         report.funnels += 1;
+        let is_long = work.letters.len() > LONG_STRETCH;
+        let mut pause = || if is_long { pauses.pause() } else { Ok(()) };
+        pause()?;
         work.unfolding.unfold(mesh, a, &work.letters, b);
+        pause()?;
         work.funnel.run(&work.unfolding);
+        pause()?;
         self.place_corners(mesh, from, to, work);
+        Ok(())
     }
 
     /// Letters next to an end of a stretch that touch it are crossed there: a corner takes them into its run, a pin

@@ -3,6 +3,8 @@
 //! Row `i` couples unknowns `i - k` to `i + k`; on a ring indices wrap. The last `k` unknowns are eliminated last (a Schur
 //! complement), which makes the rest a plain band matrix also on a ring. Holds linear algebra alone.
 
+use std::convert::Infallible;
+
 /// A band matrix of half-width `k`; entry `(i, i + j - k)` is `entries[i * (2 k + 1) + j]`, indices wrapping on a ring.
 #[derive(Clone, Debug)]
 pub struct Banded {
@@ -45,21 +47,36 @@ impl Banded {
 
     /// Solves for `right`, on a ring or a chain; `None` when a pivot vanishes. Small systems and the border are dense.
     pub fn solve(&self, right: &[f64], is_ring: bool) -> Option<Vec<f64>> {
+        self.clone().into_solution(right, is_ring, || Ok::<_, Infallible>(())).unwrap_or_else(|never| match never {})
+    }
+
+    /// As [`Banded::solve`], in the matrix's own memory; `tick` is called with every row that is done, and may end the work
+    /// with an error.
+    ///
+    /// # Errors
+    /// Those of `tick`.
+    pub fn into_solution<E>(
+        mut self,
+        right: &[f64],
+        is_ring: bool,
+        mut tick: impl FnMut() -> Result<(), E>,
+    ) -> Result<Option<Vec<f64>>, E> {
         let (n, k, width) = (self.count(), self.half_width, self.width());
         if n <= 4 * k + 2 {
-            return solve_dense(self.dense(is_ring), right.to_vec());
+            return Ok(solve_dense(self.dense(is_ring), right.to_vec()));
         }
         if !is_ring {
             // No row reaches across the ends: there is no border to put in.
-            let (mut band, mut x) = (self.entries.clone(), right.to_vec());
-            eliminate(&mut band, &mut x, k, 1)?;
-            return x.iter().all(|v| v.is_finite()).then_some(x);
+            let mut x = right.to_vec();
+            let is_solved = eliminate(&mut self.entries, &mut x, k, 1, &mut tick)?;
+            return Ok((is_solved && x.iter().all(|v| v.is_finite())).then_some(x));
         }
         let body = n - k;
         // Columns to solve for: the right side, then the border columns.
-        let mut band = self.entries[..body * width].to_vec();
+        let (band, border_rows) = self.entries.split_at_mut(body * width);
         let mut columns = vec![0.0; body * (k + 1)];
         for i in 0..body {
+            tick()?;
             columns[i * (k + 1)] = right[i];
             for j in 0..width {
                 let wraps = i + j < k || i + j - k >= n;
@@ -73,14 +90,16 @@ impl Banded {
                 }
             }
         }
-        eliminate(&mut band, &mut columns, k, k + 1)?;
+        if !eliminate(band, &mut columns, k, k + 1, &mut tick)? {
+            return Ok(None);
+        }
         // The border's own equations, with the body put in.
         let mut dense = vec![vec![0.0; k]; k];
         let mut rest = vec![0.0; k];
         for b in 0..k {
             let i = body + b;
             rest[b] = right[i];
-            for (j, &value) in self.row(i).iter().enumerate() {
+            for (j, &value) in border_rows[b * width..(b + 1) * width].iter().enumerate() {
                 let column = (i + n + j - k) % n;
                 if column >= body {
                     dense[b][column - body] += value;
@@ -91,11 +110,11 @@ impl Banded {
                 dense[b].iter_mut().zip(&solved[1..]).for_each(|(entry, c)| *entry -= value * c);
             }
         }
-        let border = solve_dense(dense, rest)?;
+        let Some(border) = solve_dense(dense, rest) else { return Ok(None) };
         let body_value = |c: &[f64]| c[0] - c[1..].iter().zip(&border).map(|(a, b)| a * b).sum::<f64>();
         let mut x: Vec<f64> = columns.chunks(k + 1).map(body_value).collect();
         x.extend(&border);
-        x.iter().all(|v| v.is_finite()).then_some(x)
+        Ok(x.iter().all(|v| v.is_finite()).then_some(x))
     }
 
     fn dense(&self, is_ring: bool) -> Vec<Vec<f64>> {
@@ -114,14 +133,21 @@ impl Banded {
 }
 
 /// Gaussian elimination of a plain band matrix without exchanging rows (the systems here are symmetric and positive, or
-/// close to diagonally dominant); the `count` columns become the solutions.
-fn eliminate(band: &mut [f64], columns: &mut [f64], k: usize, count: usize) -> Option<()> {
+/// close to diagonally dominant); the `count` columns become the solutions. False when a pivot vanishes.
+fn eliminate<E>(
+    band: &mut [f64],
+    columns: &mut [f64],
+    k: usize,
+    count: usize,
+    tick: &mut impl FnMut() -> Result<(), E>,
+) -> Result<bool, E> {
     let width = 2 * k + 1;
     let n = band.len() / width;
     for i in 0..n {
+        tick()?;
         let pivot = band[i * width + k];
         if pivot == 0.0 || !pivot.is_finite() {
-            return None;
+            return Ok(false);
         }
         for below in 1..=k.min(n - 1 - i) {
             let factor = band[(i + below) * width + k - below] / pivot;
@@ -137,6 +163,7 @@ fn eliminate(band: &mut [f64], columns: &mut [f64], k: usize, count: usize) -> O
         }
     }
     for i in (0..n).rev() {
+        tick()?;
         for c in 0..count {
             let known: f64 = (1..=k.min(n - 1 - i))
                 .map(|ahead| band[i * width + k + ahead] * columns[(i + ahead) * count + c])
@@ -144,7 +171,7 @@ fn eliminate(band: &mut [f64], columns: &mut [f64], k: usize, count: usize) -> O
             columns[i * count + c] = (columns[i * count + c] - known) / band[i * width + k];
         }
     }
-    Some(())
+    Ok(true)
 }
 
 fn solve_dense(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Option<Vec<f64>> {
