@@ -3,9 +3,12 @@
 Blender up to 4.5 writes the addresses its data had in memory, and finds what belongs together by comparing them. Here
 every address is replaced by a number, counted in the order of first appearance: a one-to-one renaming, so the file
 means the same. What else is left over of a session goes: states of data-blocks, and bytes behind the end of texts and
-arrays. Blender 5.0 and newer number by themselves; the rest remains.
+arrays. Blender 5.0 and newer number by themselves, but for all data-blocks at once, which chance can upset: see
+`rename_addresses`.
 """
 
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +26,8 @@ from .blend_layout import (
 # What stands for an address: high enough to be no small count, a multiple of 16 as real addresses are.
 FIRST_NUMBER = 1 << 40
 NUMBER_STEP = 16
+# Below this a number in a file can be anything: addresses are above, but for a few that Blender 5 numbers from 16 on.
+LEAST_ADDRESS = 1 << 32
 TEXT_PROPERTY = 0  # IDP_STRING
 # What of a data-block is still to be evaluated: on opening a file Blender evaluates all of it. Importers tag the window
 # manager, and whether a tag is still there depends on what the process did before.
@@ -47,8 +52,7 @@ def stabilise_blend(path: Path, *, is_imported: bool) -> None:
     if not is_new(data):
         clear_padding(data, blocks, layouts)
     clear_session(data, blocks, layouts)
-    if not is_new(data):
-        rename_addresses(data, blocks, layouts)
+    rename_addresses(data, blocks, layouts)
     sort_screen_edges(data, blocks, layouts)
     if is_imported:
         for place in find_field(blocks, layouts, "Mesh", "face_sets_color_seed"):
@@ -66,31 +70,73 @@ def number_nodes(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) 
 
 
 def rename_addresses(data: np.ndarray, blocks: list[Block], layouts: StructLayouts) -> None:
-    """Replace every address in `data`, in place."""
-    places = [np.array([block.start + ADDRESS_IN_HEADER for block in blocks], dtype=np.int64)]
-    arrays_of_pointers = set()
+    """Replace every address in `data`, in place.
+
+    Blender looks for what a pointer means among the blocks of the same data-block, then among all data-blocks, so
+    numbers are given data-block by data-block: memory that was given back and used again while the file was written has
+    the same address in two of them, or not, as chance will have it.
+    """
+    sections = list_sections(blocks)
+    places = [find_pointers(data, section, layouts) for section in sections]
+    refuse_missed_addresses(data, blocks, np.unique(np.concatenate(places)))
+    numbers = itertools.count(FIRST_NUMBER, NUMBER_STEP)
+    own = [number_blocks(section, numbers) for section in sections]
+    # Data-blocks, also those within others, can be pointed to from everywhere; some of the windows' data are as well.
+    known: dict[int, int] = {}
+    for is_data_block in (True, False):
+        for section, given in zip(sections, own, strict=True):
+            for block in section:
+                if (block.code != b"DATA" or layouts.is_data_block(block.struct_index)) == is_data_block:
+                    known.setdefault(block.address, given[block.address])
+    for ordered, given in zip(places, own, strict=True):
+        addresses = read_addresses(data, ordered)
+        found, first = np.unique(addresses, return_index=True)
+        for k in np.argsort(first).tolist():
+            address = int(found[k])
+            if address not in given:
+                # What is not in the file keeps a number too: whether it is there at all can matter.
+                given[address] = known.get(address) or next(numbers)
+        renamed = np.array([given[int(address)] for address in found], dtype="<u8")[np.searchsorted(found, addresses)]
+        data[ordered[:, None] + np.arange(8)] = renamed.view(np.uint8).reshape(-1, 8)
+
+
+def list_sections(blocks: list[Block]) -> list[list[Block]]:
+    """Each data-block, and whatever else is no mere data, with the data that belong to it."""
+    sections: list[list[Block]] = []
     for block in blocks:
+        if block.code != b"DATA" or not sections:
+            sections.append([])
+        sections[-1].append(block)
+    return sections
+
+
+def number_blocks(section: list[Block], numbers: Iterator[int]) -> dict[int, int]:
+    """The number of each block's address; no address stays none."""
+    given = {0: 0}
+    for block in section:
+        if block.address not in given:
+            given[block.address] = next(numbers)
+    return given
+
+
+def find_pointers(data: np.ndarray, section: list[Block], layouts: StructLayouts) -> np.ndarray:
+    """Where addresses are in these blocks, in order."""
+    places = [np.array([block.start + ADDRESS_IN_HEADER for block in section], dtype=np.int64)]
+    arrays_of_pointers = set()
+    for block in section:
         if block.code in (b"DNA1", b"ENDB") or block.struct_index == 0:
             continue
         plain, double = layouts.pointers(block.struct_index)
         starts = block.data.start + layouts.size(block.struct_index) * np.arange(block.count, dtype=np.int64)
         if block.count and starts[-1] + layouts.size(block.struct_index) > block.data.stop:
-            continue  # a block of another kind than it says, as Blender writes some; checked below
+            continue  # a block of another kind than it says, as Blender writes some; checked later
         places.append((starts[:, None] + np.array(plain, dtype=np.int64)).ravel())
         doubles = (starts[:, None] + np.array(double, dtype=np.int64)).ravel()
         arrays_of_pointers |= set(read_addresses(data, doubles).tolist())
-    for block in blocks:
+    for block in section:
         if block.struct_index == 0 and block.address in arrays_of_pointers and block.address != 0:
             places.append(block.data.start + 8 * np.arange(block.size // 8, dtype=np.int64))
-    ordered = np.unique(np.concatenate(places))
-    addresses = read_addresses(data, ordered)
-    refuse_missed_addresses(data, blocks, ordered)
-    found, first = np.unique(addresses, return_index=True)
-    rank = np.empty(len(found), dtype=np.uint64)
-    rank[np.argsort(first)] = np.arange(len(found), dtype=np.uint64)
-    numbers = np.where(found == 0, 0, FIRST_NUMBER + NUMBER_STEP * rank).astype("<u8")
-    renamed = numbers[np.searchsorted(found, addresses)]
-    data[ordered[:, None] + np.arange(8)] = renamed.view(np.uint8).reshape(-1, 8)
+    return np.unique(np.concatenate(places))
 
 
 def read_addresses(data: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -103,7 +149,9 @@ def refuse_missed_addresses(data: np.ndarray, blocks: list[Block], known: np.nda
 
     known : places that hold addresses, in order
     """
-    own = np.unique([block.address for block in blocks if block.address != 0]).astype("<u8")
+    own = np.unique([block.address for block in blocks if block.address >= LEAST_ADDRESS]).astype("<u8")
+    if len(own) == 0:
+        return
     starts = np.array([block.data.start for block in blocks], dtype=np.int64)
     for phase in (0, 4):  # blocks begin at multiples of 4
         words = data[phase : phase + 8 * ((len(data) - phase) // 8)].view("<u8")

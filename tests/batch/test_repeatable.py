@@ -3,10 +3,13 @@
 import os
 import shutil
 
+import numpy as np
 import pytest
 
 from batch import jobs
 from batch.test_inputs import END, START, straight
+
+from batching import blend_layout, stable_blend  # isort: skip
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +66,28 @@ def test_after_other_files_good_and_broken_the_bytes_are_those_of_a_fresh_proces
     assert done.stderr.count("FAILED") == len(errors)
     made = jobs.hash_tree(tmp_path / "out" / "in")
     assert {name: made[name] for name in expected} == expected
+
+
+def test_memory_that_two_data_blocks_had_one_after_the_other_changes_nothing(scenes, tmp_path):
+    """What Blender needed to write one data-block may be given to the next: then an address is there twice."""
+    data = np.fromfile(scenes / "scene.blend", dtype=np.uint8)
+    blocks = blend_layout.list_blocks(data)
+    (dna,) = (block for block in blocks if block.code == b"DNA1")
+    layouts = blend_layout.describe_structs(data[dna.data].tobytes())
+    meshes = [s for s in stable_blend.list_sections(blocks) if layouts.name(s[0].struct_index) == "Mesh"]
+    first, second = (
+        next(b for b in reversed(section) if not layouts.is_data_block(b.struct_index))
+        for section in (meshes[0], meshes[-1])
+    )
+    assert first.address != second.address
+    twice = data.copy()
+    places = stable_blend.find_pointers(data, meshes[-1], layouts)
+    places = places[stable_blend.read_addresses(data, places) == second.address]
+    assert len(places) >= 2  # the block's own, and what points to it
+    twice[places[:, None] + np.arange(8)] = np.array([first.address], dtype="<u8").view(np.uint8)
+    made = []
+    for name, content in (("once", data), ("twice", twice)):
+        content.tofile(tmp_path / name)
+        stable_blend.stabilise_blend(tmp_path / name, is_imported=False)
+        made.append((tmp_path / name).read_bytes())
+    assert made[0] == made[1]
