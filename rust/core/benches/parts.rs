@@ -13,6 +13,7 @@ use smooth_polylines_core::adjacency::Adjacency;
 use smooth_polylines_core::filter::geodesic::Workspace;
 use smooth_polylines_core::ids::TriangleId;
 use smooth_polylines_core::join::{join_picks, place_picks, search_end};
+use smooth_polylines_core::pauses::Pauses;
 use smooth_polylines_core::relax::beads::Beads;
 use smooth_polylines_core::relax::funnel::{Funnel, shortest_crossings};
 use smooth_polylines_core::relax::newton::relax_by_newton;
@@ -22,7 +23,7 @@ use smooth_polylines_core::smooth_geodesic::smooth_geodesic;
 use smooth_polylines_core::stroke::{StrokePoints, stroke};
 use smooth_polylines_core::unfold::Unfolding;
 use smooth_polylines_core::window_search::find_taut_strip;
-use smooth_polylines_core::{NoObserver, Options, Pick, Report, SurfaceMesh};
+use smooth_polylines_core::{NoObserver, Options, Pick, Report, Step, SurfaceMesh};
 use support::shapes::{self, Shape};
 use support::{all_pinned, closed, cubic, faces, fair, files, geodesic};
 
@@ -143,7 +144,8 @@ fn time_whole_strips(criterion: &mut Criterion, scene: &Scene) {
         .expect("an open line");
     let beads = Beads::of_route(mesh, &straight);
     criterion.bench_function(&format!("{name}/newton/across"), |bench| {
-        bench.iter_batched_ref(|| beads.clone(), relax_by_newton, BatchSize::SmallInput);
+        let relax = |beads: &mut Beads| relax_by_newton(beads, &mut Pauses::new(&mut NoObserver, Step::Relax));
+        bench.iter_batched_ref(|| beads.clone(), relax, BatchSize::SmallInput);
     });
 }
 

@@ -3,7 +3,7 @@
 //! Holds the rounds, limits and stop reasons. How one vertex is passed is in `sliding_pass`.
 
 use std::collections::HashSet;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use crate::error::{Error, Result};
 use crate::filter::SlidingFilter;
@@ -13,8 +13,9 @@ use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, PAPER_MAX_ITERATIONS, Solver};
+use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
-use crate::relax::heap::{HeapEnd, relax_by_heap};
+use crate::relax::heap::{HeapEnd, HeapOutcome, relax_by_heap};
 use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
@@ -73,7 +74,7 @@ pub fn smooth_sliding(
         trim_legs(mesh, route);
         go_on(observer, Step::Relax)?;
         let mut beads = Beads::of_route(mesh, route);
-        let is_newton = by_newton && settle_by_newton(&mut beads, filter, report);
+        let is_newton = by_newton && settle_by_newton(&mut beads, filter, report, observer)?;
         if let (true, false, Some(before)) = (by_newton, is_newton, settled.take()) {
             // The passes of the last round lead to a strip on which the line does not come to rest: without them.
             *route = before;
@@ -84,18 +85,10 @@ pub fn smooth_sliding(
             HeapEnd::Settled
         } else {
             // Also where Newton did not settle: the heap goes on from the best place that it found.
-            let mut is_stopped = false;
             let share = if by_newton { MOVES_AFTER_NEWTON * crossings as u64 } else { most_moves };
             let moves_left = most_moves.saturating_sub(report.moves).min(share);
             let first = beads.near_open(route, &is_open, 2 * filter.reach());
-            let outcome = relax_by_heap(&mut beads, filter, threshold, moves_left, first.as_deref(), || {
-                let flow = observer.step(Step::Relax);
-                is_stopped = flow == ControlFlow::Break(());
-                flow
-            });
-            if is_stopped {
-                return Err(Error::Interrupted);
-            }
+            let outcome = slide_by_heap(&mut beads, filter, threshold, moves_left, first.as_deref(), observer)?;
             report.moves += outcome.moves;
             outcome.end
         };
@@ -181,18 +174,40 @@ fn has_crossing_near_vertex(route: &Route, distance: f64) -> bool {
 
 /// Newton, and where it gets stuck (vertices that go on and off the ends of their edges) some moves of the heap and Newton
 /// again. False when even that does not settle.
-fn settle_by_newton(beads: &mut Beads, filter: &impl SlidingFilter, report: &mut Report) -> bool {
+fn settle_by_newton(
+    beads: &mut Beads,
+    filter: &impl SlidingFilter,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<bool> {
     for _ in 0..NEWTON_STARTS {
-        let outcome = relax_by_newton(beads);
+        let outcome = relax_by_newton(beads, &mut Pauses::new(observer, Step::Relax))?;
         report.newton_steps += outcome.steps;
         if outcome.is_settled {
-            return true;
+            return Ok(true);
         }
         let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
-        let outcome = relax_by_heap(beads, filter, NEWTON_TOLERANCE, moves, None, || ControlFlow::Continue(()));
-        report.moves += outcome.moves;
+        report.moves += slide_by_heap(beads, filter, NEWTON_TOLERANCE, moves, None, observer)?.moves;
     }
-    false
+    Ok(false)
+}
+
+/// The heap, which the observer may end.
+fn slide_by_heap(
+    beads: &mut Beads,
+    filter: &impl SlidingFilter,
+    threshold: f64,
+    move_limit: u64,
+    first: Option<&[Range<usize>]>,
+    observer: &mut dyn Observer,
+) -> Result<HeapOutcome> {
+    let mut is_stopped = false;
+    let outcome = relax_by_heap(beads, filter, threshold, move_limit, first, || {
+        let flow = observer.step(Step::Relax);
+        is_stopped = flow == ControlFlow::Break(());
+        flow
+    });
+    if is_stopped { Err(Error::Interrupted) } else { Ok(outcome) }
 }
 
 /// Moves of the heap where Newton has failed for good, for each crossing; the line is then as near its limit as it gets.

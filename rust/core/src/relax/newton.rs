@@ -7,7 +7,9 @@
 //! the rest (an active set); clamped one by one after the solve, a step no longer fits together. Where a stretch is free
 //! to slide, or neighbours look at each other alone, the equations are singular: then the step is damped.
 
+use crate::error::Result;
 use crate::filter::linear::target_with_slopes;
+use crate::pauses::Pauses;
 use crate::relax::banded::Banded;
 use crate::relax::beads::Beads;
 
@@ -42,43 +44,65 @@ pub struct NewtonOutcome {
     pub is_settled: bool,
 }
 
-/// Slides all beads to the fixed point of the `linear` filter near where they are.
-pub fn relax_by_newton(beads: &mut Beads) -> NewtonOutcome {
+/// Slides all beads to the fixed point of the `linear` filter near where they are. Pauses are made between passes over all
+/// beads.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`].
+pub fn relax_by_newton(beads: &mut Beads, pauses: &mut Pauses) -> Result<NewtonOutcome> {
     let tolerances = tolerances(beads);
     let mut errors = residual(beads, None);
     let mut steps = 0;
     while !is_settled(&errors, &tolerances) && steps < u64::from(MAX_STEPS) {
-        let Some(better) = DAMPINGS.iter().find_map(|&damping| step(beads, &errors, damping, &mut steps)) else {
-            break;
-        };
+        let mut better = None;
+        for damping in DAMPINGS {
+            better = step(beads, &errors, damping, &mut steps, pauses)?;
+            if better.is_some() {
+                break;
+            }
+        }
+        let Some(better) = better else { break };
         errors = better;
     }
-    NewtonOutcome { steps, error: largest(&errors), is_settled: is_settled(&errors, &tolerances) }
+    Ok(NewtonOutcome { steps, error: largest(&errors), is_settled: is_settled(&errors, &tolerances) })
 }
 
 /// One step that shrinks the errors, and these; `None`, and the beads where they were, when there is none.
-fn step(beads: &mut Beads, errors: &[f64], damping: f64, steps: &mut u64) -> Option<Vec<f64>> {
+fn step(
+    beads: &mut Beads,
+    errors: &[f64],
+    damping: f64,
+    steps: &mut u64,
+    pauses: &mut Pauses,
+) -> Result<Option<Vec<f64>>> {
     let start = beads.parameters.clone();
-    let goals = solve_within_edges(beads, errors, damping, steps)?;
+    let Some(goals) = solve_within_edges(beads, errors, damping, steps, pauses)? else { return Ok(None) };
     let mut share = 1.0;
     for _ in 0..MAX_HALVINGS {
+        pauses.pause()?;
         for i in 0..beads.len() {
             let way = goals[i] - start[i];
             beads.slide(i, if share == 1.0 { goals[i] } else { start[i] + share * way });
         }
         let new_errors = residual(beads, None);
         if square_sum(&new_errors) < square_sum(errors) {
-            return Some(new_errors);
+            return Ok(Some(new_errors));
         }
         share *= 0.5;
     }
     (0..beads.len()).for_each(|i| beads.slide(i, start[i]));
-    None
+    Ok(None)
 }
 
 /// The parameters that a whole Newton step leads to, all in 0..=1: vertices that it would take beyond an end are held
 /// there, and the rest is solved again.
-fn solve_within_edges(beads: &Beads, errors: &[f64], damping: f64, steps: &mut u64) -> Option<Vec<f64>> {
+fn solve_within_edges(
+    beads: &Beads,
+    errors: &[f64],
+    damping: f64,
+    steps: &mut u64,
+    pauses: &mut Pauses,
+) -> Result<Option<Vec<f64>>> {
     let mut matrix = Banded::zero(beads.len(), 1);
     residual(beads, Some(&mut matrix));
     (0..beads.len()).filter(|&i| !beads.is_fixed[i]).for_each(|i| matrix.add(i, 0, damping));
@@ -86,7 +110,8 @@ fn solve_within_edges(beads: &Beads, errors: &[f64], damping: f64, steps: &mut u
     let mut is_held = vec![false; beads.len()];
     for _ in 0..MAX_SOLVES {
         *steps += 1;
-        let found = matrix.solve(&right, beads.closed)?;
+        pauses.pause()?;
+        let Some(found) = matrix.solve(&right, beads.closed) else { return Ok(None) };
         let mut has_left = false;
         for (i, held) in is_held.iter_mut().enumerate() {
             let t = beads.parameters[i];
@@ -99,10 +124,10 @@ fn solve_within_edges(beads: &Beads, errors: &[f64], damping: f64, steps: &mut u
             }
         }
         if !has_left {
-            return Some((0..beads.len()).map(|i| (beads.parameters[i] - found[i]).clamp(0.0, 1.0)).collect());
+            return Ok(Some((0..beads.len()).map(|i| (beads.parameters[i] - found[i]).clamp(0.0, 1.0)).collect()));
         }
     }
-    None
+    Ok(None)
 }
 
 /// How far each bead is from its target; with `matrix`, its derivative as well.
@@ -169,7 +194,12 @@ fn largest(errors: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::filter::Edge;
+    use crate::report::{NoObserver, Step};
     use glam::DVec3;
+
+    fn relax(beads: &mut Beads) -> NewtonOutcome {
+        relax_by_newton(beads, &mut Pauses::new(&mut NoObserver, Step::Relax)).expect("nobody interrupts")
+    }
 
     /// Upright edges of height 1 over x = 1, 2, ..., between fixed points at height 0.5; `foot` tells where each begins.
     fn fence(count: usize, origin: DVec3, foot: impl Fn(usize) -> f64) -> Beads {
@@ -188,7 +218,7 @@ mod tests {
     fn a_step_beyond_an_end_stops_there_and_the_rest_fits_to_it() {
         let level = |i: usize| 0.2 * i.min(10 - i) as f64;
         let mut beads = fence(9, DVec3::ZERO, |i| if i == 5 { 1.5 } else { level(i) });
-        let outcome = relax_by_newton(&mut beads);
+        let outcome = relax(&mut beads);
         assert!(outcome.is_settled, "{outcome:?}");
         assert_eq!(beads.parameters[5], 0.0, "the line is held up by the foot of the fifth edge");
         for (i, p) in beads.positions.iter().enumerate() {
@@ -201,7 +231,7 @@ mod tests {
     fn far_from_the_origin_a_line_settles_to_the_rounding_of_its_coordinates() {
         for distance in [0.0, 1e6, 1e9] {
             let mut beads = fence(40, DVec3::new(distance, -distance, 0.3 * distance), |i| 0.01 * (i % 3) as f64);
-            let outcome = relax_by_newton(&mut beads);
+            let outcome = relax(&mut beads);
             assert!(outcome.is_settled, "{distance}: {outcome:?}");
             let allowed = NEWTON_TOLERANCE.max(1e3 * f64::EPSILON * distance);
             assert!(beads.positions.iter().all(|p| (p.y + distance - 0.5).abs() <= allowed), "{distance}");
@@ -218,7 +248,7 @@ mod tests {
         beads.push(Edge { low: hub, high: DVec3::new(1.5, 1.0, 0.0) }, 1e-4);
         beads.push(Edge { low: hub, high: DVec3::new(2.0, 1.0, 0.0) }, 1e-4);
         beads.push_fixed(DVec3::new(2.0, -0.5, 0.0));
-        let outcome = relax_by_newton(&mut beads);
+        let outcome = relax(&mut beads);
         assert!(outcome.is_settled, "{outcome:?}");
         assert!(beads.parameters[1..4].iter().all(|&t| t <= 1e-9), "{:?}", beads.parameters);
     }
