@@ -9,8 +9,8 @@ import time
 
 import pytest
 
-# A call ends before it has worked on for this long after its limit or signal: 0.2 s on the processor that the figures of
-# docs/filters.md are from, and twice that here, as a test may run on one that is half as fast.
+# A call ends before it has worked on for this long after its limit or signal: 0.2 s on the processor that the figures
+# of docs/filters.md are from, and twice that here, as a test may run on one that is half as fast.
 STOP_SECONDS = 2 * 0.2
 
 

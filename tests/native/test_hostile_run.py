@@ -42,6 +42,8 @@ def test_lines_on_small_shared_meshes_keep_every_promise():
         ("zero area fan", 10, 1),
         # What vertices are moved apart by was a bend of 1e-8 radians next to short segments.
         ("zero area fan", 24, 1),
+        # A run that does not turn round its vertex in one sense: its angles were added up for ever.
+        ("zero area fan", 18, 11),
         # Parting two equal points made the next pair equal.
         ("zero area fan", 0, 1),
         ("zero area fan", 5, 1),

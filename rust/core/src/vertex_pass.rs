@@ -63,14 +63,19 @@ pub struct Run {
     pub angle_out: f64,
 }
 
-/// The angles on both sides of a run. Cost: O(valence).
+/// The angles on both sides of a run; both infinite where the run does not turn round its vertex in one sense, which happens
+/// among triangles without area. Cost: O(valence).
 pub fn measure_sides(mesh: &SurfaceMesh, run: &Run) -> Sides {
     let mut own = run.angle_in + run.angle_out;
     let mut letter = run.first;
+    let unknown = Sides { own: f64::INFINITY, other: f64::INFINITY };
     while letter != run.last {
-        let entered = mesh.twin(letter).expect("a letter of a word has a twin");
+        let Some(entered) = mesh.twin(letter) else { return unknown };
         own += corner_angle(mesh, entered.triangle(), run.vertex);
         letter = mesh.other_spoke(entered, run.vertex);
+        if letter == run.first {
+            return unknown;
+        }
     }
     let other = if mesh.is_passable(run.vertex) {
         let (before, after) = (run.first.triangle(), entered_triangle(mesh, run.last));

@@ -203,7 +203,7 @@ fn relax_anchored(
             let sides = measure_sides(mesh, &run);
             let limit = PI - ANGLE_SLACK;
             if sides.own >= limit && sides.other >= limit {
-                return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex), false));
+                return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex), sides.own.is_infinite()));
             }
             if sides.own <= sides.other {
                 turn

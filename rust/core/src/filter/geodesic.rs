@@ -149,6 +149,11 @@ impl GeodesicLeg {
         let run = self.chain.run(corner);
         let sides = measure_sides(mesh, &run);
         let limit = PI - ANGLE_SLACK;
+        if sides.own.is_infinite() {
+            // No angle tells: as where vertices are changed without end.
+            self.is_capped = true;
+            return None;
+        }
         if sides.own >= limit && sides.other >= limit {
             return None;
         }
