@@ -13,7 +13,7 @@ from kit import bpy, get_window, in_view, play, press, shoot, tell, until_redraw
 
 import bmesh
 
-SIDE = 200
+SIDE = 400
 LONG_WORK = {"filter": "LINEAR", "solver": "HEAP", "threshold": 1e-12, "max_iterations": 1_000_000}
 PACKAGE = "bl_ext.user_default.smooth_polylines"
 
@@ -101,7 +101,7 @@ def scenario():
         events.clear()
 
     with in_view():
-        bpy.ops.mesh.smooth_polyline_add("INVOKE_DEFAULT", True, filter="LINEAR", solver="HEAP", threshold=1e-6)
+        bpy.ops.mesh.smooth_polyline_add("INVOKE_DEFAULT", True, filter="LINEAR", solver="HEAP", threshold=1e-3)
     yield lambda: not list_modal()
     yield 0.3
     tell(made=len(bpy.data.curves), last=bpy.context.window_manager.operators[-1].bl_idname)
