@@ -16,8 +16,8 @@ use crate::relax::beads::Beads;
 /// Largest error of a vertex at the end, barycentric units.
 pub const NEWTON_TOLERANCE: f64 = 1e-10;
 
-/// What rounding of the coordinates does to an error, in units of eps * coordinate / edge: measured on meshes far from the
-/// origin; the figure that `geodesic` allows.
+/// What rounding of the coordinates may do to an error, in units of eps * coordinate / edge: the figure that `geodesic`
+/// allows.
 const ROUNDINGS: f64 = 8.0;
 
 /// Steps that are tried; measured: 3 to 11.
@@ -26,7 +26,8 @@ const MAX_STEPS: u32 = 60;
 /// Halvings of a step that does not shrink the error.
 const MAX_HALVINGS: u32 = 8;
 
-/// Solves of one step, with ever more vertices at the ends of their edges; measured: 2 to 4.
+/// Solves of one step, with ever more vertices at the ends of their edges; where these are not enough, a damped step is
+/// tried.
 const MAX_SOLVES: u32 = 12;
 
 /// Dampings of the equations that are tried when a step does not shrink the error; 1 would be a step of sliding.
@@ -81,8 +82,8 @@ fn step(
     for _ in 0..MAX_HALVINGS {
         pauses.pause()?;
         for i in 0..beads.len() {
-            let way = goals[i] - start[i];
-            beads.slide(i, if share == 1.0 { goals[i] } else { start[i] + share * way });
+            // Not start + 1.0 * way, which need not be the goal to the bit: goals of 0 and 1 are mesh vertices.
+            beads.slide(i, if share == 1.0 { goals[i] } else { start[i] + share * (goals[i] - start[i]) });
         }
         let new_errors = residual(beads, None);
         if square_sum(&new_errors) < square_sum(errors) {
