@@ -269,20 +269,23 @@ impl<'a> Lowering<'a> {
                 continue;
             }
             let next = curve.moved(self.mesh, &step, &mut self.work, self.report, &mut self.pauses)?;
-            let fall = curve.energy - next.energy;
+            let fall = next.as_ref().map_or(f64::NEG_INFINITY, |next| curve.energy - next.energy);
             let is_settled = size <= SETTLED_MOVE || step.fall <= SETTLED_FALL * curve.energy;
             refused_size = if fall > 0.0 { f64::INFINITY } else { size };
             refused_steps = if fall > 0.0 { 0 } else { refused_steps + 1 };
-            if fall > 0.0 {
-                slow_steps = if fall < pace.slow_fall * curve.energy { slow_steps + 1 } else { 0 };
-                std::mem::replace(curve, next).release(&mut self.pauses)?;
-                self.report.iterations += 1;
-                self.report.energies.push(curve.energy / curve.unit());
-                if self.stages {
-                    self.report.stages.extend(curve.to_route(self.mesh).and_then(|route| points_of(self.mesh, &route)));
+            match next {
+                Some(next) if fall > 0.0 => {
+                    slow_steps = if fall < pace.slow_fall * curve.energy { slow_steps + 1 } else { 0 };
+                    std::mem::replace(curve, next).release(&mut self.pauses)?;
+                    self.report.iterations += 1;
+                    self.report.energies.push(curve.energy / curve.unit());
+                    if self.stages {
+                        let points = curve.to_route(self.mesh).and_then(|route| points_of(self.mesh, &route));
+                        self.report.stages.extend(points);
+                    }
                 }
-            } else {
-                next.release(&mut self.pauses)?;
+                Some(next) => next.release(&mut self.pauses)?,
+                None => {}
             }
             let share = fall / step.fall;
             if share > GOOD_SHARE {

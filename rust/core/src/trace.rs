@@ -20,17 +20,21 @@ use crate::surface_point::SurfacePoint;
 /// one, and directions from it are right to half of the digits.
 pub const INSIDE: f64 = 1e-7;
 
-/// Triangles that one way crosses at most: far more than a step that gets anywhere, but finite round needles.
-const MAX_CROSSINGS: usize = 100_000;
-
 /// Moves `from`, which lies inside its triangle, along `way`: a direction in the plane of that triangle, as long as the
-/// way to go. The letters that are crossed are appended to `word`, whose backtracks cancel.
+/// way to go. The letters that are crossed, `most` or fewer, are appended to `word`, whose backtracks cancel; `None` where
+/// the way goes on.
 ///
 /// The result lies inside its triangle, at least [`INSIDE`] from each side. Cost: O(letters).
-pub fn trace(mesh: &SurfaceMesh, from: &SurfacePoint, way: DVec3, word: &mut Vec<HalfedgeId>) -> SurfacePoint {
+pub fn trace(
+    mesh: &SurfaceMesh,
+    from: &SurfacePoint,
+    way: DVec3,
+    most: usize,
+    word: &mut Vec<HalfedgeId>,
+) -> Option<SurfacePoint> {
     let mut here = *from;
     let mut way = way;
-    for _ in 0..MAX_CROSSINGS {
+    for crossed in 0.. {
         let Some(rates) = barycentric_rates(mesh, here.triangle, way) else { break };
         let b = here.barycentric;
         // The corner whose part vanishes first, and the share of the way until then.
@@ -44,11 +48,14 @@ pub fn trace(mesh: &SurfaceMesh, from: &SurfacePoint, way: DVec3, word: &mut Vec
         here.barycentric = std::array::from_fn(|k| if k == corner { 0.0 } else { (b[k] + share * rates[k]).max(0.0) });
         let exit = here.triangle.halfedge((corner as u32 + 1) % 3);
         let Some((next, turned)) = cross(mesh, exit, &here, way) else { break };
+        if crossed == most {
+            return None;
+        }
         push_reduced(mesh, word, exit);
         here = next;
         way = (1.0 - share) * turned;
     }
-    moved_inside(here)
+    Some(moved_inside(here))
 }
 
 /// The point a little further inside its triangle where it is nearer than [`INSIDE`] to a side.

@@ -20,6 +20,9 @@ use support::random::Random;
 use support::shapes::{self, Shape};
 use support::{all_pinned, closed, faces, geodesic, line};
 
+/// More edges than any walk here crosses.
+const MOST: usize = 1000;
+
 fn middle(shape: &Shape, place: DVec3) -> SurfacePoint {
     SurfacePoint::barycentre(TriangleId(shape.nearest(place) as u32))
 }
@@ -33,7 +36,7 @@ fn a_walk_in_the_plane_ends_where_the_vector_leads() {
             let start = middle(&shape, DVec3::new(random.between(0.3, 0.7), random.between(0.3, 0.7), 0.0));
             let way = DVec3::new(random.between(-0.2, 0.2), random.between(-0.2, 0.2), 0.0);
             let mut word = Vec::new();
-            let end = trace(&mesh, &start, way, &mut word);
+            let end = trace(&mesh, &start, way, MOST, &mut word).expect("an end");
             let expected = mesh.position_of(&start) + way;
             // A walk that ends next to an edge is moved inside by a ten-millionth of it.
             assert!(mesh.position_of(&end).distance(expected) < 1e-7);
@@ -53,13 +56,25 @@ fn a_walk_round_a_cylinder_comes_back_and_one_over_its_rim_stops() {
     let level =
         [b - a, c - b, a - c].into_iter().find(|side| side.z == 0.0).expect("one side of each triangle is level");
     let mut word = Vec::new();
-    let end = trace(&mesh, &start, level.normalize() * girth, &mut word);
+    let end = trace(&mesh, &start, level.normalize() * girth, MOST, &mut word).expect("an end");
     assert!(mesh.position_of(&end).distance(mesh.position_of(&start)) < 1e-6);
     assert_eq!(word.len(), 48, "two triangles a side of the prism");
     let mut word = Vec::new();
-    let end = trace(&mesh, &start, DVec3::Z * 10.0, &mut word);
+    let end = trace(&mesh, &start, DVec3::Z * 10.0, MOST, &mut word).expect("an end");
     assert!((mesh.position_of(&end).z - 1.0).abs() < 1e-6, "it stops at the rim");
     assert!(end.barycentric.iter().all(|&b| b > 0.0), "and stays inside");
+}
+
+#[test]
+fn a_walk_that_winds_on_and_on_is_given_up() {
+    let shape = shapes::cylinder(1.0, 2.0, 24, 10);
+    let mesh = shape.mesh();
+    let start = middle(&shape, DVec3::new(1.0, 0.0, 0.1));
+    let [a, b, c] = mesh.corners(start.triangle).map(|v| mesh.position(v));
+    let level = [b - a, c - b, a - c].into_iter().find(|side| side.z == 0.0).expect("a level side");
+    let three_times = 3.0 * 2.0 * 24.0 * (PI / 24.0).sin() * level.normalize();
+    assert!(trace(&mesh, &start, three_times, 144, &mut Vec::new()).is_some(), "48 edges a time round");
+    assert!(trace(&mesh, &start, three_times, 143, &mut Vec::new()).is_none());
 }
 
 /// Directions from a point, one a triangle of the shape that holds it, counter-clockwise from the x axis.

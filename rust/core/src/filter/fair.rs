@@ -43,6 +43,12 @@ const CURVATURE_SPANS: isize = 8;
 /// A detail size below this, in the samples' unit, is taken for it: the curve is its input either way.
 const LEAST_DETAIL: f64 = 1e-3;
 
+/// A curve crosses at most so many times as many edges as its input,
+const MOST_CROSSINGS_PER_INPUT: usize = 64;
+/// or so many where the input crosses few. On sound triangles it crosses fewer than its input; round a tube of needles a
+/// smooth curve would wind millions of times.
+const MOST_CROSSINGS: usize = 20_000;
+
 /// A curve in the making.
 #[derive(Clone, Debug)]
 pub struct FairCurve {
@@ -294,7 +300,8 @@ impl FairCurve {
         }
     }
 
-    /// The curve after a step: samples go straight ahead on the surface, and the spans follow.
+    /// The curve after a step: samples go straight ahead on the surface, and the spans follow. `None` when it would cross
+    /// far more edges than its input does.
     ///
     /// # Errors
     /// As [`FairCurve::new`].
@@ -305,27 +312,42 @@ impl FairCurve {
         work: &mut SpanWork,
         report: &mut Report,
         pauses: &mut Pauses,
-    ) -> Result<Self> {
+    ) -> Result<Option<Self>> {
+        let most = MOST_CROSSINGS_PER_INPUT * self.input.legs.iter().map(|leg| leg.word.len()).sum::<usize>();
+        let most = most.max(MOST_CROSSINGS);
         let mut points = self.points.clone();
         let mut crossed = vec![Vec::new(); points.len()];
+        let mut left = most;
         for i in (0..points.len()).filter(|&i| !self.input.is_pinned[i]) {
             pauses.tick()?;
             let [x, y] = self.frames[i].axes;
             let way = self.input.unit * (step.ways[i].x * x + step.ways[i].y * y);
-            points[i] = trace(mesh, &self.points[i], way, &mut crossed[i]);
+            let Some(point) = trace(mesh, &self.points[i], way, left, &mut crossed[i]) else { return Ok(None) };
+            points[i] = point;
+            left -= crossed[i].len();
         }
-        let spans = self.spans.iter().enumerate().map(|(i, span)| {
+        let mut legs = Vec::with_capacity(self.spans.len());
+        let mut left = most;
+        for (i, span) in self.spans.iter().enumerate() {
+            pauses.tick()?;
             let next = (i + 1) % points.len();
             let leg = span.leg.between_moved(mesh, points[i].triangle, &crossed[i], &crossed[next]);
             if i > 0 {
                 // Freed one by one, as millions take their time.
                 crossed[i] = Vec::new();
             }
+            let Some(rest) = left.checked_sub(leg.word.len()) else { return Ok(None) };
+            left = rest;
+            legs.push(leg);
+        }
+        let spans = legs.into_iter().enumerate().map(|(i, leg)| {
+            let next = (i + 1) % points.len();
             Span::relax(mesh, &points[i], &points[next], leg, work, report, pauses)
         });
-        let spans = spans.collect::<Result<_>>()?;
+        let spans: Vec<Span> = spans.collect::<Result<_>>()?;
         let input = Rc::clone(&self.input);
-        Self { input, closeness: self.closeness, points, spans, frames: Vec::new(), energy: 0.0 }.measured(mesh, pauses)
+        let moved = Self { input, closeness: self.closeness, points, spans, frames: Vec::new(), energy: 0.0 };
+        Ok(Some(moved.measured(mesh, pauses)?))
     }
 
     /// The curve as a line: its crossings alone, between its pins. `None` when a closed curve without pins crosses
