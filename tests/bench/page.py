@@ -8,7 +8,7 @@ import os
 import numpy as np
 
 from bench import figures
-from bench.tasks import SMOOTH_BY
+from bench.tasks import NETWORK_BY, SMOOTH_BY
 
 BEGIN = "<!-- measured: what follows is written by `make bench` -->"
 END = "<!-- /measured -->"
@@ -33,6 +33,7 @@ def write(results, path, pictures, criterion=None):
         "### Ours over MeshLib, potpourri3d, libigl: CPU time\n\n" + ratio_tables(results),
         "### Milliseconds of CPU time\n\n" + milliseconds_table(results),
         "### What only this library does\n\n" + own_table(results),
+        "### Every core\n\n" + cores_table(results),
         "### Beside exact and edge-bound ones\n\n" + slow_table(results),
         "### Quality of the lines that were timed\n\n" + quality_table(results),
         "### Memory\n\n" + memory_table(results),
@@ -153,6 +154,20 @@ def own_table(results):
     note = (
         "Milliseconds of CPU time, quartiles in brackets. A dragged pick: one of 10 pinned picks moves, and "
         "the line is made from the one before."
+    )
+    return note + "\n\n" + table(rung_head(results), rows)
+
+
+def cores_table(results):
+    rows = []
+    for name in NETWORK_BY:
+        task, ways = f"network, {name}", ("in one call", "one by one")
+        walls = {way: [figures.milliseconds(rung, task, way, "wall") for rung in results["rungs"]] for way in ways}
+        rows += [[f"{task}: {way}, ms", *[spread(wall) for wall in walls[way]]] for way in ways]
+        rows.append([f"{task}: share", *[spread(figures.ratios(r, task, *ways, "wall")) for r in results["rungs"]]])
+    note = (
+        "Wall time of a line between every two of 10 picks, quartiles in brackets: `network`, on "
+        f"{results['machine']['cores']} cores, beside the same lines one after the other, which are equal to the byte."
     )
     return note + "\n\n" + table(rung_head(results), rows)
 

@@ -1,4 +1,4 @@
-"""What is timed on one mesh: opening it, step B, geodesic lines, closed and dragged lines, a stroke.
+"""What is timed on one mesh: opening it, step B, geodesic lines, closed and dragged lines, strokes, networks.
 
 Each function returns rows, one a query: {"task", "query", "samples": {contender: Samples as dict}}. Holds no figures.
 """
@@ -20,6 +20,7 @@ SMOOTH_BY = {
     "fair": {"filter": "fair"},
     "geodesic": {"filter": "geodesic"},
 }
+NETWORK_BY = ("geodesic", "fair")
 # A line's cost over its length: goals at these shares of the way to the far end.
 LENGTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
 # Steps of a search, for each triangle, after which ours has chosen landmarks (POPS_BEFORE_LANDMARKS in search.rs, and
@@ -46,6 +47,7 @@ class Timer:
         for task in (self.open, self.step_b, self.straighten, self.geodesic, self.pinned, self.closed, self.dragged):
             task()
         self.stroke()
+        self.network()
         self.ask_often()
         return self.rows
 
@@ -171,6 +173,19 @@ class Timer:
         del ways["geodesic"]  # keeps nothing of a closed stroke
         runs = {name: lambda options=o: mesh.stroke(drawn, closed=True, **options) for name, o in ways.items()}
         self.add("a stroke of 2000 points", 0, runs)
+
+    def network(self):
+        """A line between every two of ten picks: all in one call, which uses every core, and one after the other."""
+        mesh, picks = self.ours.mesh, self.ours.prepare(self.rung, self.rung.line)
+        pairs = list(itertools.combinations(range(len(picks)), 2))
+        alone = [[picks[i], picks[j]] for i, j in pairs]
+        for name in NETWORK_BY:
+            options = SMOOTH_BY[name]
+            contenders = {
+                "in one call": lambda options=options: mesh.network(picks, pairs, **options),
+                "one by one": lambda options=options: [mesh.polyline(pair, **options) for pair in alone],
+            }
+            self.add(f"network, {name}", 0, contenders)
 
 
 def time_by_length(timer):
