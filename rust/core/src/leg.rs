@@ -67,7 +67,7 @@ impl Leg {
 
     /// Takes out a full turn round a mesh vertex that the last letter has closed: the strip is back where the line, which
     /// stays at the vertex meanwhile, was before.
-    pub fn cut_full_turn(&mut self, mesh: &SurfaceMesh) {
+    fn cut_full_turn(&mut self, mesh: &SurfaceMesh) {
         let spot_at = |i: usize| crossing_spot(mesh, self.word[i], self.parameters[i]);
         let Some(last) = self.word.len().checked_sub(1) else { return };
         let vertex = spot_at(last);
@@ -80,6 +80,20 @@ impl Leg {
             self.word.truncate(start);
             self.parameters.truncate(start);
         }
+    }
+
+    /// This leg without the full turns that it makes round mesh vertices while the line stays there; `None` without any.
+    pub fn without_full_turns(&self, mesh: &SurfaceMesh) -> Option<Self> {
+        let is_end = |&t: &f64| t == 0.0 || t == 1.0;
+        if !self.parameters.windows(2).any(|pair| pair.iter().all(is_end)) {
+            return None;
+        }
+        let mut cut = Self::empty(self.first);
+        for (&h, &t) in self.word.iter().zip(&self.parameters) {
+            cut.push(mesh, h, t);
+            cut.cut_full_turn(mesh);
+        }
+        (cut.word.len() < self.word.len()).then_some(cut)
     }
 
     /// The strip between the ends of this leg after they were moved by the ways `at_start` and `at_end` (words of what

@@ -31,6 +31,18 @@ impl Route {
     /// once on the line instead of as a cluster of equal points; and parts those that cannot be told from a pin.
     pub fn snap_to_vertices(&mut self, mesh: &SurfaceMesh) {
         self.part_from_pins(mesh, Leg::snap_to_vertices);
+        // Crossings of a full turn may have come to lie on its vertex just now. A ring that is one is left: it has
+        // collapsed, which is not told here.
+        let mut is_cut = false;
+        for leg in &mut self.legs {
+            let cut = leg.without_full_turns(mesh).filter(|cut| !(self.pins.is_empty() && cut.word.is_empty()));
+            if let Some(cut) = cut {
+                (*leg, is_cut) = (cut, true);
+            }
+        }
+        if is_cut {
+            self.part_from_pins(mesh, Leg::snap_to_vertices);
+        }
     }
 
     /// Parts crossings that have the same point as each other or as a pin, for a line that is not smoothed and so not

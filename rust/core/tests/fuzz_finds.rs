@@ -56,6 +56,12 @@ fn find_5_fair_winds_round_a_tube_of_needles() {
     ));
 }
 
+/// A `fair` line whose strip leaves a triangle by an edge that does not hold the line's point.
+#[test]
+fn find_6_a_point_off_the_strips_edge() {
+    judge_line(&bytes("2bff002b00ffa8ffdada32daff00f702da1341dada2bdadadbdaffdafeffffffffffdafeff30a9da14"));
+}
+
 /// Any short input means something to each target.
 #[test]
 fn nothing_and_little_are_judged() {

@@ -365,9 +365,9 @@ impl FairCurve {
             let leg = legs.last_mut()?;
             for (&h, &t) in span.word.iter().zip(&span.parameters) {
                 leg.push(mesh, h, t);
-                leg.cut_full_turn(mesh);
             }
         }
+        let mut legs: Vec<Leg> = legs.into_iter().map(|leg| leg.without_full_turns(mesh).unwrap_or(leg)).collect();
         if pins.is_empty() {
             legs[0].reduce_seam(mesh);
             legs[0].word.first()?;
