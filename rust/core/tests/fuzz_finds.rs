@@ -62,6 +62,14 @@ fn find_6_a_point_off_the_strips_edge() {
     judge_line(&bytes("2bff002b00ffa8ffdada32daff00f702da1341dada2bdadadbdaffdafeffffffffffdafeff30a9da14"));
 }
 
+/// `fair` between the two sides of one triangle 1e-15 high: some thousand turns round it in each of many rounds.
+#[test]
+fn find_7_fair_winds_round_a_needle() {
+    judge_line(&bytes(
+        "ff2b002b00ffa8ffff00f7bfbfbfbfbfda2bdaf700da04dadada2bdadadadadadaffffffffbfdff77dbfdf0000dada14",
+    ));
+}
+
 /// Any short input means something to each target.
 #[test]
 fn nothing_and_little_are_judged() {
