@@ -203,7 +203,8 @@ impl Leg {
 /// has no two equal points in a row.
 fn nudged(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64) -> f64 {
     let point = crossing_position(mesh, letter, t);
-    let towards = if t < 0.5 { 1.0 } else { -1.0 };
+    // Where the sense changes, two nudges would lead back; so not in the middle, where many crossings lie.
+    let towards = if t < 0.7 { 1.0 } else { -1.0 };
     (0..40)
         .map(|power| t + towards * f64::EPSILON * f64::from(2).powi(power))
         .find(|&next| (0.0..=1.0).contains(&next) && crossing_position(mesh, letter, next) != point)

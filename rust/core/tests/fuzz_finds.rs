@@ -70,6 +70,13 @@ fn find_7_fair_winds_round_a_needle() {
     ));
 }
 
+/// Two crossings and a pin at one place of a triangle without area: one crossing was moved off the pin onto the other, and
+/// off that back onto the pin.
+#[test]
+fn find_8_a_crossing_nudged_to_and_fro() {
+    judge_line(&bytes("b9960001960000b6000000007bdfffffffffff4800000000000000fbffff00000000000000898989892b"));
+}
+
 /// Any short input means something to each target.
 #[test]
 fn nothing_and_little_are_judged() {
