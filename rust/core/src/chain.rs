@@ -50,7 +50,8 @@ const NO_VERTEX: VertexId = VertexId(u32::MAX);
 impl Chain {
     /// A chain without corners.
     pub fn new(first: TriangleId, word: &[HalfedgeId]) -> Self {
-        let mut chain = Self { links: Vec::new(), corners: Vec::new(), first };
+        // Room for a pass or two, which most lines have.
+        let mut chain = Self { links: Vec::with_capacity(word.len() + 16), corners: Vec::with_capacity(8), first };
         chain.push_sentinels();
         let mut last = START;
         for &letter in word {
@@ -75,6 +76,11 @@ impl Chain {
                 is_cut: false,
             });
         }
+    }
+
+    /// Links so far, of letters that are there and that were: a bound of the word's length.
+    pub fn link_count(&self) -> usize {
+        self.links.len()
     }
 
     /// Whether a corner is still there.
@@ -124,7 +130,8 @@ impl Chain {
     /// Letters of the corner's run.
     pub fn run_letters(&self, corner: u32) -> Vec<HalfedgeId> {
         let c = &self.corners[corner as usize];
-        let mut letters = vec![self.links[c.first as usize].letter];
+        let mut letters = Vec::with_capacity(8);
+        letters.push(self.links[c.first as usize].letter);
         let mut link = c.first;
         while link != c.last {
             link = self.links[link as usize].next;
@@ -149,6 +156,8 @@ impl Chain {
     pub fn stretch(&self, from: u32, to: u32, links: &mut Vec<u32>, letters: &mut Vec<HalfedgeId>) {
         links.clear();
         letters.clear();
+        links.reserve(self.links.len());
+        letters.reserve(self.links.len());
         let end = self.corners[to as usize].first;
         let mut link = self.links[self.corners[from as usize].last as usize].next;
         while link != end {

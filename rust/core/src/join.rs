@@ -89,14 +89,14 @@ pub fn join_stretch(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<Route> {
-    let ends: Vec<SearchEnd> = stations.iter().map(|s| search_end(mesh, &s.point)).collect();
     let is_taut = is_straightened(options);
     let midpoint = |_: &SurfacePoint, _: HalfedgeId| 0.5;
     join_stations(mesh, stations, options.closed, midpoint, |i, j, _| {
         let found = if is_taut && stations[i].is_pinned && stations[j].is_pinned {
             find_taut_strip(mesh, &stations[i].point, &stations[j].point, observer)?
         } else {
-            mesh.dual_graph().find_strip(&ends[i], &ends[j], observer)?
+            let [from, to] = [i, j].map(|k| search_end(mesh, &stations[k].point));
+            mesh.dual_graph().find_strip(&from, &to, observer)?
         };
         let found = found.ok_or_else(|| no_path(mesh, "picks", &stations[i], &stations[j]))?;
         report.pops += found.pops;

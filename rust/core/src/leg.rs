@@ -175,12 +175,15 @@ impl Leg {
     /// whether there were any.
     pub fn part_equal_points(&mut self, mesh: &SurfaceMesh, is_ring: bool) -> bool {
         let count = self.word.len();
+        let Some(&first) = self.word.first() else { return false };
         let mut is_changed = false;
+        let mut before = crossing_position(mesh, first, self.parameters[0]);
         for i in (1..count).chain(is_ring.then_some(0)) {
             let j = (i + count - 1) % count;
             let (h, k) = (self.word[j], self.word[i]);
             let (s, t) = (self.parameters[j], self.parameters[i]);
-            let is_equal = i != j && crossing_position(mesh, h, s) == crossing_position(mesh, k, t);
+            let here = crossing_position(mesh, k, t);
+            let is_equal = i != j && here == std::mem::replace(&mut before, here);
             if is_equal && crossing_spot(mesh, h, s) != crossing_spot(mesh, k, t) {
                 // Neighbouring letters share one end; two equal points on them are within rounding of it, or of vertices
                 // that are within rounding of each other.
@@ -192,6 +195,7 @@ impl Leg {
                 } else {
                     self.parameters[i] = nudged(mesh, k, t);
                 }
+                before = crossing_position(mesh, k, self.parameters[i]);
                 is_changed = true;
             }
         }

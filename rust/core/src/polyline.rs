@@ -12,7 +12,7 @@ use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
 use crate::report::Report;
 use crate::route::Route;
-use crate::spot::{Spot, crossing_point, crossing_spot, spot_of, triangles_round};
+use crate::spot::{Spot, crossing_point, crossing_spot, is_round, spot_of};
 use crate::strip::{decode_word, encode_word, entered_triangle};
 use crate::surface_point::SurfacePoint;
 
@@ -149,8 +149,10 @@ pub fn length_of(points: &[DVec3], closed: bool) -> f64 {
 
 /// The strip and the stops of a route, equal neighbours merged; `None` also when a crossing finds that `goes_on` does not.
 fn walk(mesh: &SurfaceMesh, route: &Route, goes_on: &mut dyn FnMut() -> bool) -> Option<(Vec<TriangleId>, Vec<Stop>)> {
-    let mut strip = Vec::new();
-    let mut stops: Vec<Stop> = Vec::new();
+    let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
+    // A strip has some more where it turns round a pin.
+    let mut strip = Vec::with_capacity(letters + 4 * route.pins.len() + 1);
+    let mut stops: Vec<Stop> = Vec::with_capacity(letters + route.pins.len());
     let mut triangle = match (route.legs.first(), route.pins.first()) {
         (Some(leg), _) => leg.first,
         (None, Some(pin)) => pin.triangle,
@@ -171,7 +173,7 @@ fn walk(mesh: &SurfaceMesh, route: &Route, goes_on: &mut dyn FnMut() -> bool) ->
             );
         }
         // The triangle that the walk is in must hold the pin; the bytes of a line may say anything.
-        if route.pins.get(k).is_some_and(|pin| !triangles_round(mesh, pin).contains(&triangle)) {
+        if route.pins.get(k).is_some_and(|pin| !is_round(mesh, pin, triangle)) {
             return None;
         }
         let Some(leg) = route.legs.get(k) else { continue };

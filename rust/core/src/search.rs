@@ -4,8 +4,6 @@
 //! Holds the graph in flat records, ordered along a Morton curve so that neighbours in space are neighbours in
 //! memory, and the one search loop. Knows nothing of polylines.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -18,6 +16,7 @@ use crate::ids::{HalfedgeId, TriangleId};
 use crate::landmarks::{Aim, Landmarks};
 use crate::mesh::SurfaceMesh;
 use crate::morton::CurveOrder;
+use crate::queue::Queue;
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
 
@@ -32,8 +31,8 @@ const POPS_PER_OBSERVATION: u64 = 4096;
 const LANDMARK_TRIANGLES: usize = 4_000;
 
 /// Landmarks are chosen once searches have taken this many triangles from their queues for each triangle of the mesh:
-/// choosing costs about half of what was spent by then.
-const POPS_BEFORE_LANDMARKS: u64 = 32;
+/// choosing costs about what was spent by then, so that never having chosen would have cost half as much at worst.
+const POPS_BEFORE_LANDMARKS: u64 = 16;
 
 /// Rounding of a sum of some ten thousand weights, as a share of it.
 const COST_ROUNDING: f64 = 1e-11;
@@ -61,7 +60,7 @@ struct Visit {
 #[derive(Debug, Default)]
 struct Scratch {
     visits: Vec<Visit>,
-    queue: BinaryHeap<Reverse<(u64, u32)>>,
+    queue: Queue,
     stamp: u32,
 }
 
@@ -267,28 +266,30 @@ impl DualGraph {
         observer: &mut dyn Observer,
     ) -> Result<Option<FoundStrip>, Error> {
         let Scratch { visits, queue, stamp } = scratch;
+        let (records, visits) = (self.records.as_slice(), visits.as_mut_slice());
         let (open, closed) = (*stamp, *stamp + 1);
         let goals: Vec<u32> = to.triangles.iter().map(|t| self.record_of[t.index()]).collect();
-        let straight = |id: u32| self.records[id as usize].barycentre.distance(to.anchor);
+        let straight = |id: u32| records[id as usize].barycentre.distance(to.anchor);
         let landmarks = self.landmarks.get().and_then(Option::as_ref);
         let aim: Option<(&Landmarks, Aim)> =
             landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
-        let rest = |id: u32| match &aim {
-            Some((landmarks, aim)) => straight(id).max(landmarks.bound(id, aim)),
-            None => straight(id),
+        let rest = |id: u32, straight: f64| match &aim {
+            Some((landmarks, aim)) => straight.max(landmarks.bound(id, aim)),
+            None => straight,
         };
         for source in &from.triangles {
             let id = self.record_of[source.index()];
-            let cost = self.records[id as usize].barycentre.distance(from.anchor);
+            let cost = records[id as usize].barycentre.distance(from.anchor);
             visits[id as usize] = Visit { cost, via: NONE, stamp: open };
-            queue.push(Reverse(((cost + rest(id)).to_bits(), id)));
+            queue.push(cost + rest(id, straight(id)), id.into());
         }
         let mut best: Option<(f64, u32)> = None;
         let mut pops = 0u64;
-        while let Some(Reverse((estimate, id))) = queue.pop() {
+        while let Some((estimate, id)) = queue.pop() {
+            let id = id as u32;
             // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such
             // strips does not hang on the order of the search.
-            if best.is_some_and(|(cost, _)| f64::from_bits(estimate) > cost * (1.0 + COST_ROUNDING)) {
+            if best.is_some_and(|(cost, _)| estimate > cost * (1.0 + COST_ROUNDING)) {
                 break;
             }
             let visit = &mut visits[id as usize];
@@ -305,20 +306,26 @@ impl DualGraph {
                 let candidate = (cost + straight(id), id);
                 best = Some(best.map_or(candidate, |best| if candidate < best { candidate } else { best }));
             }
-            let record = self.records[id as usize];
+            let record = &records[id as usize];
             for (side, &next) in record.neighbours.iter().enumerate() {
                 if next == NONE {
                     continue;
                 }
-                let neighbour = &self.records[next as usize];
-                let new_cost = cost + record.barycentre.distance(neighbour.barycentre);
                 let visit = &mut visits[next as usize];
+                // Stamps of earlier searches are lower.
+                let is_known = visit.stamp >= open;
+                // Most neighbours, the one that was come from among them: no way through here is cheaper, as weights are
+                // not negative, nor as cheap in the sense below.
+                if is_known && visit.cost <= cost {
+                    continue;
+                }
+                let barycentre = records[next as usize].barycentre;
+                let new_cost = cost + record.barycentre.distance(barycentre);
                 // A closed record can still improve by rounding, as the bounds are consistent only in exact arithmetic;
                 // then it is opened again.
-                let is_known = visit.stamp == open || visit.stamp == closed;
                 if !is_known || new_cost < visit.cost {
                     *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
-                    queue.push(Reverse(((new_cost + rest(next)).to_bits(), next)));
+                    queue.push(new_cost + rest(next, barycentre.distance(to.anchor)), next.into());
                 } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
                     visit.via = visit.via.min(3 * id + side as u32);
                 }
@@ -331,7 +338,9 @@ impl DualGraph {
     }
 
     fn trace(&self, visits: &[Visit], goal: u32) -> (TriangleId, Vec<HalfedgeId>) {
-        let mut word = Vec::new();
+        let before = |id: u32| Some(visits[id as usize].via).filter(|&via| via != NONE).map(|via| via / 3);
+        let letters = std::iter::successors(before(goal), |&id| before(id)).count();
+        let mut word = Vec::with_capacity(letters);
         let mut id = goal;
         loop {
             let via = visits[id as usize].via;

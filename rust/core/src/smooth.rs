@@ -82,7 +82,7 @@ pub fn smooth_input(
     let starts: Vec<LegStart> = known.iter().enumerate().map(start_of).collect();
     go_on(observer, Step::Search)?;
     if options.filter != Filter::None {
-        if report.kept_legs == 0 {
+        if report.kept_legs == 0 && (options.stages || route.pins.is_empty()) {
             let (points, strip_triangles) = Polyline::outline(mesh, &route).expect(FITS);
             go_on(observer, Step::Search)?;
             note_start(&mut report, &points, route.closed, strip_triangles, options);
@@ -171,9 +171,10 @@ fn note_start(report: &mut Report, points: &[DVec3], closed: bool, strip_triangl
     }
 }
 
-/// The same from what was noted of the legs, some of which are smooth already. There are no stages of these.
+/// The same from what was noted of the legs, some of which may be smooth already; without stages.
 fn note_kept_start(mesh: &SurfaceMesh, report: &mut Report, route: &Route, starts: &[LegStart]) {
-    report.start_length = starts.iter().map(|start| start.length).sum();
+    // Folded from 0, as the sum of nothing is -0 in Rust.
+    report.start_length = starts.iter().fold(0.0, |sum, start| sum + start.length);
     let letters: usize = starts.iter().map(|start| start.letters).sum();
     let joins = (0..starts.len()).filter(|&i| route.closed || i > 0).filter_map(|i| {
         let before = starts[(i + starts.len() - 1) % starts.len()].last;

@@ -58,7 +58,7 @@ pub fn smooth_geodesic(
     let mut finish = straighten(mesh, route, &own_repeats, bounds, work, report, observer)?;
     let length_of_route = |route: &Route| points_of(mesh, route).map_or(0.0, |points| length_of(&points, route.closed));
     go_on(observer, Step::VertexPass)?;
-    let mut length = length_of_route(route);
+    let mut length = if matches!(finish, Finish::Cycling) { length_of_route(route) } else { 0.0 };
     for _ in 0..MOST_RUNS {
         if !matches!(finish, Finish::Cycling) {
             break;
@@ -95,6 +95,8 @@ fn straighten(
     observer: &mut dyn Observer,
 ) -> Result<Finish> {
     loop {
+        let changes = |report: &Report| report.vertex_passes + report.loops_removed;
+        let before = changes(report);
         let finish = if route.pins.is_empty() {
             smooth_loop(mesh, route, limit, stages, work, report, observer)?
         } else {
@@ -102,6 +104,10 @@ fn straighten(
         };
         // Cutting a loop shortens the line, so this ends; measured, it happens on CAD slivers alone.
         go_on(observer, Step::VertexPass)?;
+        if changes(report) == before {
+            // At most letters at the ends were dropped: what the strip repeats, it repeated before.
+            return Ok(finish);
+        }
         let cuts = own_repeats.cut_new_loops(mesh, route);
         report.loops_removed += cuts;
         if cuts == 0 || report.iterations >= limit {

@@ -3,6 +3,8 @@
 //!
 //! Holds single points alone; strips and lines are in `leg` and `route`.
 
+use std::ops::ControlFlow;
+
 use glam::DVec3;
 
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
@@ -50,29 +52,50 @@ pub fn join_at(mesh: &SurfaceMesh, point: &SurfacePoint, from: TriangleId, to: T
 /// Triangles that hold a point and can be reached from its own without leaving it: one inside a triangle, up to two on
 /// an edge, the fan at a vertex. The point's own triangle comes first.
 pub fn triangles_round(mesh: &SurfaceMesh, point: &SurfacePoint) -> Vec<TriangleId> {
+    // As many as there are round nearly all vertices, at once.
+    let mut found = Vec::with_capacity(8);
+    let _: ControlFlow<()> = visit_round(mesh, point, |triangle| {
+        found.push(triangle);
+        ControlFlow::Continue(())
+    });
+    found
+}
+
+/// Whether a triangle is one of [`triangles_round`] a point.
+pub fn is_round(mesh: &SurfaceMesh, point: &SurfacePoint, triangle: TriangleId) -> bool {
+    let look = |t| if t == triangle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    visit_round(mesh, point, look).is_break()
+}
+
+/// Visits [`triangles_round`] a point until `visit` breaks off.
+fn visit_round(
+    mesh: &SurfaceMesh,
+    point: &SurfacePoint,
+    mut visit: impl FnMut(TriangleId) -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let own = point.triangle;
-    let mut found = vec![own];
+    visit(own)?;
     match spot_of(mesh, point) {
         Spot::Inside(_) => {}
         Spot::Edge(edge, _) => {
-            found.extend(
-                [Some(edge), mesh.twin(edge)].into_iter().flatten().map(HalfedgeId::triangle).filter(|&t| t != own),
-            );
+            for h in [Some(edge), mesh.twin(edge)].into_iter().flatten().filter(|h| h.triangle() != own) {
+                visit(h.triangle())?;
+            }
         }
         Spot::Vertex(v) => {
             for start in own.halfedges().into_iter().filter(|&h| mesh.touches(h, v)) {
                 let mut exit = start;
                 while let Some(twin) = mesh.twin(exit) {
                     if twin.triangle() == own {
-                        return found;
+                        return ControlFlow::Continue(());
                     }
-                    found.push(twin.triangle());
+                    visit(twin.triangle())?;
                     exit = mesh.other_spoke(twin, v);
                 }
             }
         }
     }
-    found
+    ControlFlow::Continue(())
 }
 
 /// Barycentric parts of a point in another triangle that holds it.
@@ -121,10 +144,12 @@ pub fn crossing_point(mesh: &SurfaceMesh, halfedge: HalfedgeId, t: f64) -> Surfa
     SurfacePoint { triangle: halfedge.triangle(), barycentric }
 }
 
-/// Where a crossing is in space, to the bit the same as its surface point.
+/// Where a crossing is in space, to the bit the same as its surface point, but for the sign of zeroes: the third corner's
+/// part is 0, so it need not be looked up.
 #[inline]
 pub fn crossing_position(mesh: &SurfaceMesh, halfedge: HalfedgeId, t: f64) -> DVec3 {
-    mesh.position_of(&crossing_point(mesh, halfedge, t))
+    let [low, high] = mesh.sorted_ends(halfedge);
+    (1.0 - t) * mesh.position(low) + t * mesh.position(high)
 }
 
 /// The parameter of an end of an edge.

@@ -50,6 +50,8 @@ impl Unfolding {
     pub fn unfold(&mut self, mesh: &SurfaceMesh, start: DVec3, word: &[HalfedgeId], end: DVec3) {
         self.ends.clear();
         self.portals.clear();
+        self.ends.reserve(word.len() + 1);
+        self.portals.reserve(word.len());
         let Some(&first) = word.first() else {
             (self.start, self.end) = (DVec2::ZERO, DVec2::new(start.distance(end), 0.0));
             return;

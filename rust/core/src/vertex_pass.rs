@@ -98,10 +98,10 @@ pub fn measure_sides(mesh: &SurfaceMesh, run: &Run) -> Sides {
 /// Cost: O(valence).
 pub fn other_side_word(mesh: &SurfaceMesh, run: &Run) -> Vec<HalfedgeId> {
     let (before, after) = (run.first.triangle(), entered_triangle(mesh, run.last));
-    let mut word = Vec::new();
     if before == after {
-        return word;
+        return Vec::new();
     }
+    let mut word = Vec::with_capacity(8);
     let mut letter = mesh.other_spoke(run.first, run.vertex);
     loop {
         word.push(letter);

@@ -9,8 +9,8 @@
 //! Holds the search alone. Source: the order is that of A* (P. Hart, N. Nilsson, B. Raphael 1968), the views are those of
 //! J. Mitchell, D. Mount, C. Papadimitriou 1987, *The Discrete Geodesic Problem*, one a triangle, which is ours.
 
-use std::cmp::{Ordering, Reverse};
-use std::collections::{BinaryHeap, HashMap};
+use std::cmp::Ordering;
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
@@ -19,6 +19,7 @@ use glam::DVec3;
 use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::mesh::SurfaceMesh;
+use crate::queue::Queue;
 use crate::report::{Observer, Step};
 use crate::search::FoundStrip;
 use crate::spot::{Spot, spot_of, triangles_round};
@@ -71,8 +72,8 @@ struct Scratch {
     /// them. So few wait at a time that a search needs a third of the memory that keeping all of them would take.
     windows: Vec<Window>,
     free: Vec<u32>,
-    /// Estimate, view and window.
-    queue: BinaryHeap<Reverse<(u64, u32, u32)>>,
+    /// Of views and windows, packed by [`pack`].
+    queue: Queue,
     stamp: u32,
 }
 
@@ -212,7 +213,8 @@ impl Search<'_> {
         let mesh = self.mesh;
         let closed = self.scratch.stamp + 1;
         let mut pops = 0u64;
-        while let Some(Reverse((_, id, slot))) = self.scratch.queue.pop() {
+        while let Some((_, item)) = self.scratch.queue.pop() {
+            let (id, slot) = unpack(item);
             let View { entered, .. } = self.scratch.views[id as usize];
             let window = self.scratch.windows[slot as usize];
             self.scratch.free.push(slot);
@@ -277,7 +279,7 @@ impl Search<'_> {
                 windows.len() as u32 - 1
             }
         };
-        queue.push(Reverse((estimate.to_bits(), views.len() as u32, slot)));
+        queue.push(estimate, pack(views.len() as u32, slot));
         views.push(View { entered, parent });
     }
 
@@ -290,7 +292,8 @@ impl Search<'_> {
 
     /// The letters up to a window.
     fn trace(&self, mut id: u32) -> Vec<HalfedgeId> {
-        let mut word = Vec::new();
+        let before = |id: u32| Some(self.scratch.views[id as usize].parent).filter(|&parent| parent != NO_PARENT);
+        let mut word = Vec::with_capacity(std::iter::successors(Some(id), |&id| before(id)).count());
         while id != NO_PARENT {
             let view = &self.scratch.views[id as usize];
             word.extend(self.mesh.twin(view.entered));
@@ -301,9 +304,24 @@ impl Search<'_> {
     }
 }
 
+/// A view and a window as one item of the queue: of equal estimates the view that was made first comes first.
+fn pack(view: u32, window: u32) -> u64 {
+    u64::from(view) << 32 | u64::from(window)
+}
+
+/// The inverse of [`pack`].
+fn unpack(item: u64) -> (u32, u32) {
+    ((item >> 32) as u32, item as u32)
+}
+
 /// The word without the letters between two visits of one triangle. Slivers may be entered by several sides, and where
 /// vertices coincide rounding can find a way round one no longer than the direct one.
 fn without_repeats(mesh: &SurfaceMesh, word: Vec<HalfedgeId>) -> Vec<HalfedgeId> {
+    let mut triangles: Vec<TriangleId> = word.iter().map(|letter| letter.triangle()).collect();
+    triangles.sort_unstable();
+    if triangles.windows(2).all(|pair| pair[0] != pair[1]) {
+        return word;
+    }
     let mut kept: Vec<HalfedgeId> = Vec::with_capacity(word.len());
     let mut place_of: HashMap<TriangleId, usize> = HashMap::with_capacity(word.len() + 1);
     for letter in word {

@@ -7,16 +7,16 @@ use crate::errors::{option_error, type_error};
 
 /// The value that a word names; else an OptionError that lists the choices and the nearest one.
 pub fn choose<T: Copy>(argument: &'static str, value: &Bound<'_, PyAny>, choices: &[(&str, T)]) -> PyResult<T> {
-    let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+    let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<&str>>();
     let Ok(word) = value.cast::<PyString>() else {
         let found = value.get_type().name()?;
-        return Err(type_error(argument, format_args!("found {found}, expected one of {}", list_words(&names))));
+        return Err(type_error(argument, format_args!("found {found}, expected one of {}", list_words(&names()))));
     };
     let word = word.to_cow()?;
     choices
         .iter()
         .find_map(|(name, choice)| (*name == word).then_some(*choice))
-        .ok_or_else(|| option_error(value.py(), argument, refuse_word(&word, &names, "")))
+        .ok_or_else(|| option_error(value.py(), argument, refuse_word(&word, &names(), "")))
 }
 
 fn list_words(names: &[&str]) -> String {

@@ -17,6 +17,9 @@ const EXPECTED: &str =
 
 /// All picks, in order; messages call them `argument`.
 pub fn read_picks(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Pick>> {
+    if let Ok(list) = value.cast_exact::<PyList>() {
+        return list.iter().enumerate().map(|(place, item)| read_pick(argument, place, &item)).collect();
+    }
     // An array of objects may hold picks of every kind, so it is read item by item.
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         if array.dtype().kind() != b'O' {

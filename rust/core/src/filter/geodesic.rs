@@ -40,6 +40,21 @@ pub struct Workspace {
     funnel: Funnel,
     links: Vec<u32>,
     letters: Vec<HalfedgeId>,
+    /// The ends of the stretch of `letters`, where `unfolding` is of it.
+    unfolded: Option<[DVec3; 2]>,
+    others: Vec<HalfedgeId>,
+}
+
+impl Workspace {
+    /// Unfolds the stretch of `others` from `a` to `b`, unless that is what was unfolded last: most near lines turn at no
+    /// vertex, and are unfolded when they are straightened already.
+    fn unfold_others(&mut self, mesh: &SurfaceMesh, a: DVec3, b: DVec3) {
+        if self.unfolded != Some([a, b]) || self.letters != self.others {
+            std::mem::swap(&mut self.letters, &mut self.others);
+            self.unfolding.unfold(mesh, a, &self.letters, b);
+            self.unfolded = Some([a, b]);
+        }
+    }
 }
 
 /// One fixed end of a leg.
@@ -114,7 +129,8 @@ impl GeodesicLeg {
         let mut round = std::mem::take(&mut self.active);
         round.sort_unstable();
         round.dedup();
-        let mut changed = Vec::new();
+        self.active.reserve(round.len());
+        let mut changed = Vec::with_capacity(round.len());
         for corner in round {
             pauses.tick()?;
             // A corner whose run a neighbour's pass has cut is measured anew first, and looked at in the next round.
@@ -188,6 +204,7 @@ impl GeodesicLeg {
         report: &mut Report,
         pauses: &mut Pauses,
     ) -> Result<()> {
+        work.unfolded = None;
         self.chain.stretch(from, to, &mut work.links, &mut work.letters);
         let kept = self.trim(mesh, from, to, &work.letters);
         work.links.truncate(kept.end);
@@ -205,6 +222,7 @@ impl GeodesicLeg {
         let mut pause = || if is_long { pauses.pause() } else { Ok(()) };
         pause()?;
         work.unfolding.unfold(mesh, a, &work.letters, b);
+        work.unfolded = Some([a, b]);
         pause()?;
         work.funnel.run(&work.unfolding);
         pause()?;
@@ -309,13 +327,14 @@ impl GeodesicLeg {
 
     /// The straightened leg with its parameters, and the vertices that it runs through.
     pub fn to_leg(&self, mesh: &SurfaceMesh, work: &mut Workspace) -> Leg {
-        let mut leg = Leg { first: self.chain.first_triangle(), word: Vec::new(), parameters: Vec::new() };
+        let (first, letters) = (self.chain.first_triangle(), self.chain.link_count());
+        let mut leg = Leg { first, word: Vec::with_capacity(letters), parameters: Vec::with_capacity(letters) };
         let mut from = START;
         loop {
             let to = self.chain.next_corner(from);
-            self.chain.stretch(from, to, &mut work.links, &mut work.letters);
+            self.chain.stretch(from, to, &mut work.links, &mut work.others);
             let (a, b) = (self.anchor_position(mesh, from, true), self.anchor_position(mesh, to, false));
-            work.unfolding.unfold(mesh, a, &work.letters, b);
+            work.unfold_others(mesh, a, b);
             cross_straight(mesh, &work.unfolding, &work.letters, &mut leg.parameters);
             leg.word.extend_from_slice(&work.letters);
             if to == END {

@@ -141,7 +141,13 @@ fn passes(sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
 /// Whether `v` turns to the left of `u` (`sign` 1; to the right for -1) or goes on as `u` does, to rounding. A way straight
 /// back is neither: it is what both ends of a portal are for a point on it, which sees the whole of what lies ahead.
 fn turns(sign: f64, u: DVec2, v: DVec2) -> bool {
-    let (turn, graze) = (sign * u.perp_dot(v), GRAZE * u.length() * v.length());
+    let turn = sign * u.perp_dot(v);
+    // Lengths are no more than these sums, and nearly all turns are plain by them, without roots.
+    let plain = GRAZE * (u.x.abs() + u.y.abs()) * (v.x.abs() + v.y.abs());
+    if turn.abs() > plain {
+        return turn > 0.0;
+    }
+    let graze = GRAZE * u.length() * v.length();
     turn > graze || (turn >= -graze && u.dot(v) >= 0.0)
 }
 
