@@ -13,7 +13,7 @@ use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::morton::CurveOrder;
 use crate::polygons::{Polygons, middle_triangle};
 use crate::search::DualGraph;
-use crate::shaken::shaken;
+use crate::shaken::Shaken;
 use crate::surface_point::{Pick, SurfacePoint};
 use crate::triangle_tree::TriangleTree;
 use crate::window_search::WindowGraph;
@@ -61,7 +61,7 @@ pub struct SurfaceMesh {
     report: OnceLock<MeshReport>,
     triangle_tree: OnceLock<TriangleTree>,
     cones: Mutex<Vec<Cones>>,
-    shaken: OnceLock<Box<SurfaceMesh>>,
+    shaken: OnceLock<Box<Shaken>>,
 }
 
 impl SurfaceMesh {
@@ -186,8 +186,8 @@ impl SurfaceMesh {
 
     /// The mesh with vertices moved apart where triangles have no area. The first call makes it, at O(triangles); it is for
     /// lines that would turn for ever there.
-    pub fn shaken(&self) -> &SurfaceMesh {
-        self.shaken.get_or_init(|| Box::new(shaken(self)))
+    pub fn shaken(&self) -> &Shaken {
+        self.shaken.get_or_init(|| Box::new(Shaken::new(self)))
     }
 
     /// What `window_search` knows of the mesh.

@@ -7,7 +7,6 @@ use glam::DVec3;
 use crate::error::Result;
 use crate::filter::closed_geodesic::straighten_loop;
 use crate::filter::geodesic::{GeodesicLeg, Workspace, cross_straight};
-use crate::ids::VertexId;
 use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;
@@ -31,9 +30,8 @@ const MOST_RUNS: u32 = 16;
 /// and the share by which a run must shorten the line to be followed by another.
 const SETTLED_FALL: f64 = 1e-12;
 
-/// A crossing this near to an end of its edge, as a share of it, may be where it is by the shaking alone: a hundred times
-/// what a vertex is moved by.
-const SNAP_SHARE: f64 = 1e-9;
+/// A crossing this near to a vertex, in what that one may have been moved by, may be where it is by the shaking alone.
+const SNAP_REACHES: f64 = 64.0;
 
 /// What the shaking can have moved a crossing by, as a share of its edge, on short edges too.
 const NEAR_SHARE: f64 = 1e-6;
@@ -64,7 +62,7 @@ pub fn smooth_geodesic(
             break;
         }
         // Where edges have no length, no angle tells which side of a vertex is better.
-        finish = straighten(mesh.shaken(), route, &own_repeats, bounds, work, report, observer)?;
+        finish = straighten(&mesh.shaken().mesh, route, &own_repeats, bounds, work, report, observer)?;
         snap_shaken(mesh, route);
         straighten_between_vertices(mesh, route);
         // In needles angles are below what double precision can tell: there length is the judge.
@@ -120,10 +118,11 @@ fn straighten(
 fn snap_shaken(mesh: &SurfaceMesh, route: &mut Route) {
     for leg in &mut route.legs {
         for (&letter, t) in leg.word.iter().zip(&mut leg.parameters) {
-            let [low, high] = mesh.sorted_ends(letter);
-            if *t <= SNAP_SHARE && is_moved(mesh, low) {
+            let length = mesh.edge_length(letter);
+            let [low, high] = mesh.sorted_ends(letter).map(|v| SNAP_REACHES * mesh.shaken().reach(v.index()));
+            if *t <= 0.5 && *t * length <= low {
                 *t = 0.0;
-            } else if *t >= 1.0 - SNAP_SHARE && is_moved(mesh, high) {
+            } else if *t > 0.5 && (1.0 - *t) * length <= high {
                 *t = 1.0;
             }
         }
@@ -162,11 +161,6 @@ fn straighten_between_vertices(mesh: &SurfaceMesh, route: &mut Route) {
             }
         }
     }
-}
-
-/// Whether the shaken mesh has a vertex elsewhere.
-fn is_moved(mesh: &SurfaceMesh, vertex: VertexId) -> bool {
-    mesh.position(vertex) != mesh.shaken().position(vertex)
 }
 
 enum Finish {

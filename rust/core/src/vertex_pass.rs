@@ -63,19 +63,28 @@ pub struct Run {
     pub angle_out: f64,
 }
 
-/// The angles on both sides of a run; both infinite where the run does not turn round its vertex in one sense, which happens
-/// among triangles without area. Cost: O(valence).
+/// The angles on both sides of a run; both infinite where there is no telling: where the run goes along an edge without length,
+/// or does not turn round its vertex in one sense, which happens among triangles without area. Cost: O(valence).
 pub fn measure_sides(mesh: &SurfaceMesh, run: &Run) -> Sides {
     let mut own = run.angle_in + run.angle_out;
     let mut letter = run.first;
     let unknown = Sides { own: f64::INFINITY, other: f64::INFINITY };
+    if has_point_edge(mesh, run.first.triangle(), run.vertex) {
+        return unknown;
+    }
     while letter != run.last {
         let Some(entered) = mesh.twin(letter) else { return unknown };
         own += corner_angle(mesh, entered.triangle(), run.vertex);
+        if has_point_edge(mesh, entered.triangle(), run.vertex) {
+            return unknown;
+        }
         letter = mesh.other_spoke(entered, run.vertex);
         if letter == run.first {
             return unknown;
         }
+    }
+    if has_point_edge(mesh, entered_triangle(mesh, run.last), run.vertex) {
+        return unknown;
     }
     let other = if mesh.is_passable(run.vertex) {
         let (before, after) = (run.first.triangle(), entered_triangle(mesh, run.last));
@@ -92,6 +101,12 @@ pub fn measure_sides(mesh: &SurfaceMesh, run: &Run) -> Sides {
         f64::INFINITY
     };
     Sides { own, other }
+}
+
+/// Whether an edge of a triangle that `vertex` is an end of has no length: directions there are anything.
+fn has_point_edge(mesh: &SurfaceMesh, triangle: TriangleId, vertex: VertexId) -> bool {
+    let corners = mesh.corners(triangle);
+    corners.iter().filter(|&&c| mesh.position(c) == mesh.position(vertex)).count() > 1
 }
 
 /// The letters round the other side of a passable vertex, from the triangle before the run to the one after it.

@@ -194,8 +194,13 @@ fn relax_anchored(
     if leg.word.is_empty() {
         return collapsed;
     }
+    let done = |is_capped: bool| {
+        let closed = with_turn(mesh, &leg, &turn, vertex);
+        let iterations = report.iterations;
+        if closed.word.is_empty() { Err(Error::Collapsed { iterations }) } else { Ok(Next::Done(closed, is_capped)) }
+    };
     if !may_go_on || solver.is_capped {
-        return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex), solver.is_capped));
+        return done(solver.is_capped);
     }
     let new_turn = match (turn.first(), turn.last()) {
         (Some(&first), Some(&last)) => {
@@ -203,7 +208,7 @@ fn relax_anchored(
             let sides = measure_sides(mesh, &run);
             let limit = PI - ANGLE_SLACK;
             if sides.own >= limit && sides.other >= limit {
-                return Ok(Next::Done(with_turn(mesh, &leg, &turn, vertex), sides.own.is_infinite()));
+                return done(sides.own.is_infinite());
             }
             if sides.own <= sides.other {
                 turn
@@ -233,11 +238,14 @@ fn relax_anchored(
     Ok(Next::Again(relax_loop(mesh, word, report, pauses)?))
 }
 
-/// The closed leg: the open line and the letters that turn round the anchor.
+/// The closed leg: the open line and the letters that turn round the anchor. Where the line goes by the anchor, it may go to
+/// it and back: that cancels.
 fn with_turn(mesh: &SurfaceMesh, leg: &Leg, turn: &[HalfedgeId], vertex: VertexId) -> Leg {
     let mut closed = leg.clone();
-    closed.word.extend_from_slice(turn);
-    closed.parameters.extend(turn.iter().map(|&h| parameter_at(mesh, h, vertex)));
+    for &letter in turn {
+        closed.push(mesh, letter, parameter_at(mesh, letter, vertex));
+    }
+    closed.reduce_seam(mesh);
     closed
 }
 

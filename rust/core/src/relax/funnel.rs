@@ -29,6 +29,8 @@ const GRAZE: f64 = 64.0 * f64::EPSILON;
 pub struct Funnel {
     deque: Vec<u32>,
     parents: Vec<u32>,
+    /// Largest coordinate of the ends so far: what their places are rounded by goes with it.
+    reach: f64,
     /// Portal ends at which the shortest line turns or grazes, first to last, as places in [`Unfolding::ends`].
     pub corners: Vec<u32>,
 }
@@ -49,6 +51,7 @@ impl Funnel {
         // `low` is the left end of the funnel, `high` the right one, `apex` between them.
         let mut funnel = Span { low: count + 1, apex: count + 1, high: count + 1 };
         let mut last = [START, START];
+        self.reach = unfolding.start.abs().max_element();
         for &portal in &unfolding.portals {
             for side in [0, 1] {
                 let end = portal[side];
@@ -56,6 +59,7 @@ impl Funnel {
                     continue;
                 }
                 last[side] = end;
+                self.reach = self.reach.max(at(end).abs().max_element());
                 let parent = self.shrink(&mut funnel, side, at(end), at);
                 self.parents[end as usize] = parent;
                 if side == 0 {
@@ -82,11 +86,11 @@ impl Funnel {
         let turn = |last: u32, way_in: Option<DVec2>| way_in.is_none_or(|way| turns(sign, way, point - at(last)));
         let turn_low = |low: usize, apex: usize| {
             let last = self.deque[low];
-            turn(last, way_in(at(last), self.deque[low + 1..=apex].iter().map(|&end| at(end))))
+            turn(last, self.way_in(at(last), self.deque[low + 1..=apex].iter().map(|&end| at(end))))
         };
         let turn_high = |apex: usize, high: usize| {
             let last = self.deque[high];
-            turn(last, way_in(at(last), self.deque[apex..high].iter().rev().map(|&end| at(end))))
+            turn(last, self.way_in(at(last), self.deque[apex..high].iter().rev().map(|&end| at(end))))
         };
         if side == 0 {
             while funnel.low < funnel.apex && !turn_low(funnel.low, funnel.apex) {
@@ -94,7 +98,7 @@ impl Funnel {
             }
             if funnel.low == funnel.apex {
                 while funnel.apex < funnel.high
-                    && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex + 1]), point)
+                    && self.passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex + 1]), point)
                 {
                     funnel.apex += 1;
                 }
@@ -107,7 +111,7 @@ impl Funnel {
             }
             if funnel.high == funnel.apex {
                 while funnel.apex > funnel.low
-                    && passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex - 1]), point)
+                    && self.passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex - 1]), point)
                 {
                     funnel.apex -= 1;
                 }
@@ -116,6 +120,24 @@ impl Funnel {
             self.deque[funnel.high]
         }
     }
+
+    /// The way to `here` along a chain, of which the ends before it come last first. Ends in one place say nothing of it: it
+    /// comes from the last one elsewhere. `None` where there is none, not even the apex.
+    fn way_in(&self, here: DVec2, before: impl Iterator<Item = DVec2>) -> Option<DVec2> {
+        let mut ways = before.map(|end| here - end);
+        ways.find(|&way| !self.is_rounding(way))
+    }
+
+    /// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
+    /// right chain, or grazes it, as it does one in the apex's own place; the mirror image for `sign` -1.
+    fn passes(&self, sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
+        self.is_rounding(corner - apex) || turns(-sign, corner - apex, point - apex)
+    }
+
+    /// Whether rounding alone parts two ends that are `way` apart: such ends are in one place.
+    fn is_rounding(&self, way: DVec2) -> bool {
+        way.abs().max_element() <= GRAZE * self.reach
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -123,19 +145,6 @@ struct Span {
     low: usize,
     apex: usize,
     high: usize,
-}
-
-/// The way to `here` along a chain, of which the ends before it come last first. Ends that rounding alone parts say nothing
-/// of it: it comes from the last one elsewhere. `None` where there is none, not even the apex.
-fn way_in(here: DVec2, before: impl Iterator<Item = DVec2>) -> Option<DVec2> {
-    let mut ways = before.map(|end| here - end);
-    ways.find(|way| way.abs().max_element() > GRAZE * here.abs().max_element())
-}
-
-/// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
-/// right chain, or grazes it; the mirror image for `sign` -1.
-fn passes(sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
-    turns(-sign, corner - apex, point - apex)
 }
 
 /// Whether `v` turns to the left of `u` (`sign` 1; to the right for -1) or goes on as `u` does, to rounding. A way straight
@@ -220,6 +229,23 @@ mod tests {
             let mut funnel = Funnel::default();
             funnel.run(&unfolding);
             assert_eq!(funnel.corners, [6], "mirrored {mirror}");
+        }
+    }
+
+    #[test]
+    fn an_end_in_the_start_s_own_place_blocks_nothing() {
+        // Rounding puts the first right end anywhere round the start; the line turns right at the second one.
+        for off in [DVec2::ZERO, DVec2::new(0.0, 1.4e-17), DVec2::new(-1.1e-16, 0.0), DVec2::new(5e-17, -5e-17)] {
+            let start = DVec2::new(0.4520341722089845, 0.0);
+            let places = [DVec2::ZERO, start + off, DVec2::new(0.7, 0.3), DVec2::new(1.0, 0.4)];
+            let end =
+                |i: usize, first: u32, last: u32| PortalEnd { at: places[i], vertex: VertexId(i as u32), first, last };
+            let ends = vec![end(0, 0, 0), end(1, 0, 1), end(2, 1, 2), end(3, 2, 2)];
+            let unfolding = Unfolding { ends, portals: vec![[0, 1], [2, 1], [2, 3]], start, end: DVec2::new(3.0, 0.2) };
+            let mut funnel = Funnel::default();
+            funnel.run(&unfolding);
+            let vertices: Vec<_> = funnel.corners.iter().filter(|&&c| c != 1).collect();
+            assert_eq!(vertices, [&3], "{off}");
         }
     }
 
