@@ -114,6 +114,20 @@ def test_a_dragged_fair_line_is_mostly_near_a_fresh_one_at_a_fraction_of_the_wor
     assert total(ours, "funnels") < 0.8 * total(theirs, "funnels")
 
 
+def test_a_pick_that_goes_to_and_fro_costs_the_same_each_time():
+    """A pick that comes back takes back its share in how far other legs have come off."""
+    mesh = open_surface("igea.ply").mesh
+    picks = [25_000 * i + 500 for i in range(10)]
+    there = [*picks[:5], picks[5] + 3, *picks[6:]]
+    line = mesh.polyline(picks, filter="fair", pinned="all")
+    work = []
+    for _ in range(3):
+        for places in (there, picks):
+            line = line.with_picks(places)
+            work.append(line.report.funnels)
+    assert work == work[:2] * 3
+
+
 def test_a_chain_of_drags_does_not_add_up_its_errors():
     """To and fro many times: at the end as near to a fresh line as at the start."""
     surface = open_surface("igea.ply")

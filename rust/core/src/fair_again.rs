@@ -7,11 +7,16 @@
 //! ```
 //!
 //! What a pick does to a spline fades from pick to pick, to 0.27 at equal distances. The legs at the change and those next
-//! to it are made again, as many as it takes for what is left to be small; what was left of earlier changes is added up, so
-//! that it stays small over a long drag. The curve is a draft (`smooth_fair`). Holds which legs; the curve is made there.
+//! to it are made again, as many as it takes for what is left to be small. Each leg is measured by where the picks were when
+//! it was made, so that it stays near over a long drag, and a pick that comes back takes its share back. The curve is a draft
+//! (`smooth_fair`). Holds which legs; the curve is made there.
+
+use std::sync::Arc;
+
+use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::kept::KeptFair;
+use crate::kept::{KeptFair, MadeAt};
 use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
 use crate::report::{Observer, Report, Step, StopReason};
@@ -44,7 +49,8 @@ pub struct FairBefore<'a> {
     pub same: &'a [Option<usize>],
 }
 
-/// Smooths `route`, the input, of which most legs are those of the line before. Returns how far each leg may be off.
+/// Smooths `route`, the input, of which most legs are those of the line before. Returns when each leg was made, for
+/// [`KeptFair::made_at`].
 ///
 /// # Errors
 /// As [`smooth_fair`].
@@ -54,7 +60,7 @@ pub fn smooth_fair_again(
     route: &mut Route,
     report: &mut Report,
     observer: &mut dyn Observer,
-) -> Result<Vec<f64>> {
+) -> Result<Vec<MadeAt>> {
     let count = route.legs.len();
     // Where picks are not pinned, the legs of the line are not those of its input, and closeness couples all of them.
     if !task.is_pinned.iter().all(|&pinned| pinned) || before.route.legs.len() != before.kept.input.len() {
@@ -62,7 +68,7 @@ pub fn smooth_fair_again(
         return Ok(Vec::new());
     }
     let input = route.clone();
-    let (stale, is_open) = choose_legs(task.mesh, before, &input);
+    let (made_at, is_open) = choose_legs(task.mesh, before, &input);
     if is_open.iter().all(|&open| open) {
         smooth_fair(task, route, report, observer)?;
         return Ok(Vec::new());
@@ -84,11 +90,11 @@ pub fn smooth_fair_again(
         true if route.touches_vertex() => StopReason::ConvergedAtVertices,
         true => StopReason::Converged,
     };
-    Ok(stale)
+    Ok(made_at)
 }
 
-/// How far each leg may be off once those with their flag are made again.
-fn choose_legs(mesh: &SurfaceMesh, before: &FairBefore, input: &Route) -> (Vec<f64>, Vec<bool>) {
+/// When each leg was made once those with their flag are made again.
+fn choose_legs(mesh: &SurfaceMesh, before: &FairBefore, input: &Route) -> (Vec<MadeAt>, Vec<bool>) {
     let count = input.legs.len();
     let length = |i: usize| Some(input.legs[i].length(mesh, input.start_pin(i)?, input.end_pin(i)?));
     let longest = (0..count).filter(|&i| before.same[i].is_none()).filter_map(length).fold(0.0, f64::max);
@@ -96,14 +102,37 @@ fn choose_legs(mesh: &SurfaceMesh, before: &FairBefore, input: &Route) -> (Vec<f
     let shift = before.shift.unwrap_or(longest);
     let tolerance = (TOLERANCE * mean_edge_length(mesh, input)).max(TOLERANCE_OF_SHIFT * shift);
     let distances = distances_from(before.same, input.closed);
-    let (mut stale, mut is_open) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    for (same, distance) in before.same.iter().zip(distances) {
-        let old = same.map_or(f64::INFINITY, |k| before.kept.stale.get(k).copied().unwrap_or(0.0));
-        let off = old + shift * FADING.powi(distance as i32);
-        is_open.push(off > tolerance);
-        stale.push(if off > tolerance { 0.0 } else { off });
+    let places = |route: &Route| -> Arc<[DVec3]> { route.pins.iter().map(|pin| mesh.position_of(pin)).collect() };
+    let (old_pins, new_pins) = (places(before.route), places(input));
+    // Pins are told apart by their order.
+    let are_in_place = old_pins.len() == new_pins.len() && (0..count).all(|i| before.same[i].is_none_or(|k| k == i));
+    let (mut made_at, mut is_open) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for (i, (same, distance)) in before.same.iter().zip(distances).enumerate() {
+        let note = same.map(|k| {
+            let fresh = || MadeAt { pins: old_pins.clone(), off: 0.0 };
+            let note = before.kept.made_at.get(k).cloned().unwrap_or_else(fresh);
+            if are_in_place {
+                return note;
+            }
+            let off = note.off + drift(&note.pins, &old_pins, k, input.closed) + shift * FADING.powi(distance as i32);
+            MadeAt { pins: new_pins.clone(), off }
+        });
+        let near = note.filter(|note| note.off + drift(&note.pins, &new_pins, i, input.closed) <= tolerance);
+        is_open.push(near.is_none());
+        made_at.push(near.unwrap_or_else(|| MadeAt { pins: new_pins.clone(), off: 0.0 }));
     }
-    (stale, is_open)
+    (made_at, is_open)
+}
+
+/// How far leg `leg` may have come off as all pins of a line went from `then` to `now`.
+fn drift(then: &[DVec3], now: &[DVec3], leg: usize, closed: bool) -> f64 {
+    let count = now.len();
+    let ends = [leg, (leg + 1) % count];
+    let legs_between =
+        |a: usize, b: usize| if closed { a.abs_diff(b).min(count - a.abs_diff(b)) } else { a.abs_diff(b) };
+    let share = |pin: usize| FADING.powi(ends.map(|end| legs_between(pin, end)).into_iter().min().unwrap_or(0) as i32);
+    let moved = then.iter().zip(now).enumerate().filter(|(_, (a, b))| a != b);
+    moved.map(|(pin, (a, b))| share(pin) * a.distance(*b)).sum()
 }
 
 /// For each leg how many legs it is away from one that is not the same.

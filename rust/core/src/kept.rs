@@ -2,6 +2,10 @@
 //!
 //! Holds no smoothing: `remake` takes it up.
 
+use std::sync::Arc;
+
+use glam::DVec3;
+
 use crate::ids::TriangleId;
 use crate::join::Station;
 use crate::leg::Leg;
@@ -39,9 +43,17 @@ pub struct Kept {
 pub struct KeptFair {
     /// The legs of the input, the straightest line through all picks.
     pub input: Vec<Leg>,
-    /// How far each leg of the line may have come off since it was made, as picks further along have moved; in the units
-    /// of the positions. Empty: all were made together.
-    pub stale: Vec<f64>,
+    /// For each leg of the line when it was made. Empty: all with the pins that the line has.
+    pub made_at: Vec<MadeAt>,
+}
+
+/// When a leg of a `fair` line was made, for which all picks count.
+#[derive(Clone, Debug)]
+pub struct MadeAt {
+    /// Where all pins of the line were; there are as many as now.
+    pub pins: Arc<[DVec3]>,
+    /// How far the leg may have come off before, as picks came or went, in the units of the positions.
+    pub off: f64,
 }
 
 /// What is known of a leg besides its word.

@@ -52,6 +52,7 @@ pub mod section;
 pub mod self_crossings;
 pub mod shaken;
 pub mod sliding_pass;
+pub mod sliding_stages;
 pub mod smooth;
 pub mod smooth_fair;
 pub mod smooth_geodesic;

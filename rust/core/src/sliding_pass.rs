@@ -19,6 +19,7 @@ use crate::mesh::SurfaceMesh;
 use crate::relax::beads::Beads;
 use crate::relax::funnel::{Funnel, shortest_crossings};
 use crate::relax::heap::relax_by_heap;
+use crate::relax::implicit::relax_implicitly;
 use crate::report::Report;
 use crate::route::Route;
 use crate::spot::{crossing_position, parameter_at};
@@ -30,6 +31,11 @@ const FAN_THRESHOLD: f64 = 1e-6;
 
 /// Moves that the joint relaxation of a new fan may take for each of its vertices.
 const FAN_MOVES: u64 = 200;
+
+/// Steps of all vertices of a new fan at once, which come before its moves,
+const FAN_STEPS: u64 = 20;
+/// and how long the first one is: there are few vertices, and nothing to be passed on the way.
+const FIRST_FAN_STEP: f64 = 8.0;
 
 /// A pass must lower the measure by more than this share: less is rounding and could go back and forth.
 const GAIN: f64 = 1e-9;
@@ -45,6 +51,16 @@ pub struct PassWork {
     refused: HashMap<(VertexId, usize), Attempt>,
     /// Whether a vertex that was changed once is left alone: set when the line has come back to a strip, or found no rest.
     pub is_strict: bool,
+    /// Whether the vertices of a new fan are first moved all at once, which takes far fewer steps than one by one.
+    pub at_once: bool,
+}
+
+impl PassWork {
+    /// Forgets at which vertices the line was changed: what it did on its way says nothing of where it comes to rest.
+    pub fn forget_changes(&mut self) {
+        self.changes.clear();
+        self.is_strict = false;
+    }
 }
 
 /// All that decides whether a fan is kept.
@@ -254,6 +270,11 @@ fn try_fan(
     }
     after.iter().for_each(|&p| beads.push_fixed(p));
     let moves = FAN_MOVES * (fan.len() as u64 + 1);
+    if work.at_once {
+        let mut time_step = FIRST_FAN_STEP;
+        let outcome = relax_implicitly(&mut beads, filter, threshold, FAN_STEPS, &mut time_step, || Ok(()));
+        report.newton_steps += outcome.map_or(0, |outcome| outcome.steps);
+    }
     let outcome = relax_by_heap(&mut beads, filter, threshold, moves, None, || ControlFlow::Continue(()));
     report.moves += outcome.moves;
     let (was, is) = (filter.measure(&attempt.old), filter.measure(&beads.positions));

@@ -130,7 +130,7 @@ pub fn smooth_input(
             fair.input.clone_from(&route.legs);
             let task = FairTask { mesh, is_pinned: &is_pinned, is_drawn, is_draft: report.kept_legs > 0, options };
             match before.filter(|_| task.is_draft) {
-                Some(before) => fair.stale = smooth_fair_again(&task, before, &mut route, &mut report, observer)?,
+                Some(before) => fair.made_at = smooth_fair_again(&task, before, &mut route, &mut report, observer)?,
                 None => smooth_fair(&task, &mut route, &mut report, observer)?,
             }
         }

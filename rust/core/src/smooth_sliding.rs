@@ -16,33 +16,17 @@ use crate::options::{Filter, Options, PAPER_MAX_ITERATIONS, Solver};
 use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
 use crate::relax::heap::{HeapEnd, HeapOutcome, relax_by_heap};
+use crate::relax::implicit::{relax_implicitly, relax_ranges_implicitly};
 use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
 use crate::sliding_pass::{MERGING, PassWork, pass_vertices};
+use crate::sliding_stages::{STEPS_A_ROUND, Stage, choose_stages};
 use crate::smooth::go_on;
 use crate::smooth_geodesic::points_of;
 use crate::spot::spot_of;
 use crate::strip::entered_triangle;
 use crate::surface_point::SurfacePoint;
-
-/// Moves that one line may take in all rounds, so that it ends; `cubic` with a threshold of [`FIRST_THRESHOLD`] and more.
-///
-/// Measured until the threshold is met, for n crossings: `linear` at 1e-8 takes about 3 n^2 a round (22 000 for 83, 4
-/// million for 1 500) and up to ten rounds. `cubic` at 1e-3 takes some 60 n to 100 n.
-fn move_limit(crossings: usize, reach: usize) -> u64 {
-    let n = crossings as u64;
-    20_000 + n * if reach == 1 { (20_000).max(10 * n) } else { 250 }
-}
-
-/// Moves that a `cubic` line may take for each threshold finer than [`FIRST_THRESHOLD`].
-///
-/// Its map is not a descent: on most long lines some crossings swing or drift for ever, whatever the limit. Measured at 1e-4:
-/// with 250 n instead of 30 n the sum of turns is a few hundredths less, and one long line in eight more comes to rest;
-/// short ones, which cost little, get more.
-fn finer_move_limit(crossings: usize) -> u64 {
-    20_000 + 30 * crossings as u64
-}
 
 /// Smooths `route` by a filter of the paper's kind. Legs that something is known of are at rest: they are looked at only
 /// where what lies next to them moves, and passed over vertices only once they have moved themselves.
@@ -60,14 +44,21 @@ pub fn smooth_sliding(
 ) -> Result<()> {
     let by_newton = options.filter == Filter::Linear && options.solver == Solver::Auto;
     let last_threshold = if by_newton { NEWTON_TOLERANCE } else { options.threshold };
-    let mut threshold = if by_newton { last_threshold } else { last_threshold.max(FIRST_THRESHOLD) };
     let limit = options.max_iterations.unwrap_or(PAPER_MAX_ITERATIONS);
     let mut is_open: Vec<bool> = known.iter().map(Option::is_none).collect();
     let crossings: usize = (0..known.len()).filter(|&i| is_open[i]).map(|i| route.legs[i].word.len()).sum();
-    let mut most_moves = move_limit(crossings, filter.reach());
+    let mut stages =
+        choose_stages(filter, options, by_newton, last_threshold, crossings, known.iter().any(Option::is_some));
+    let mut stage = stages.pop_front().unwrap_or(Stage::Heap { threshold: last_threshold, moves: None });
+    let mut most_moves = 0;
+    if let Stage::Heap { moves: Some(moves), .. } = stage {
+        most_moves = moves;
+    }
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
+    work.at_once = options.solver == Solver::Auto;
     let mut is_finer = false;
+    let mut time_step = FIRST_TIME_STEP;
     // The line before the last passes, when Newton had brought it to rest.
     let mut settled: Option<Route> = None;
     let mut own_repeats = OwnRepeats::of_route(mesh, route);
@@ -84,12 +75,23 @@ pub fn smooth_sliding(
         }
         let end = if is_newton {
             HeapEnd::Settled
+        } else if let Stage::Implicit { threshold, steps } = &mut stage {
+            let near_open = beads.near_open(route, &is_open, 2 * filter.reach());
+            let (most, time_step) = (STEPS_A_ROUND.min(*steps), &mut time_step);
+            let ask = || go_on(observer, Step::Relax);
+            let outcome = match near_open {
+                None => relax_implicitly(&mut beads, filter, *threshold, most, time_step, ask)?,
+                Some(near) => relax_ranges_implicitly(&mut beads, &near, filter, *threshold, most, time_step, ask)?,
+            };
+            report.newton_steps += outcome.steps;
+            *steps = if outcome.is_settled { 0 } else { *steps - most };
+            HeapEnd::Settled
         } else {
             // Also where Newton did not settle: the heap goes on from the best place that it found.
             let share = if by_newton { MOVES_AFTER_NEWTON * crossings as u64 } else { most_moves };
             let moves_left = most_moves.saturating_sub(report.moves).min(share);
             let first = beads.near_open(route, &is_open, 2 * filter.reach());
-            let outcome = slide_by_heap(&mut beads, filter, threshold, moves_left, first.as_deref(), observer)?;
+            let outcome = slide_by_heap(&mut beads, filter, stage.threshold(), moves_left, first.as_deref(), observer)?;
             report.moves += outcome.moves;
             outcome.end
         };
@@ -118,8 +120,11 @@ pub fn smooth_sliding(
         go_on(observer, Step::VertexPass)?;
         let has_rounds = report.iterations < limit;
         let passes_before = report.vertex_passes;
-        let mut changes =
-            if has_rounds { pass_vertices(mesh, route, &is_open, filter, threshold, report, &mut work) } else { 0 };
+        let mut changes = if has_rounds {
+            pass_vertices(mesh, route, &is_open, filter, stage.threshold(), report, &mut work)
+        } else {
+            0
+        };
         if changes > 0 {
             if filter.reach() > 1 {
                 own_repeats.follow(mesh, route);
@@ -128,12 +133,16 @@ pub fn smooth_sliding(
             report.loops_removed += cuts;
             changes += cuts;
             refuse_collapsed(mesh, route, report.iterations)?;
-        } else if threshold > last_threshold {
+        } else if matches!(stage, Stage::Implicit { steps: 1.., .. }) {
             is_finer = true;
-            threshold = (threshold * NEXT_THRESHOLD).max(last_threshold);
-            if filter.reach() > 1 {
-                most_moves = report.moves + finer_move_limit(crossings);
+            continue;
+        } else if let Some(next) = stages.pop_front() {
+            is_finer = true;
+            if matches!(stage, Stage::Implicit { .. }) {
+                work.forget_changes();
+                seen.clear();
             }
+            go_to(&mut stage, next, &mut most_moves, report.moves);
             continue;
         } else {
             let has_merged = has_crossing_near_vertex(route, MERGING);
@@ -147,6 +156,12 @@ pub fn smooth_sliding(
             return Ok(());
         }
         is_finer = false;
+        if let (Stage::Implicit { steps: 0, .. }, Some(&next)) = (stage, stages.front()) {
+            stages.pop_front();
+            work.forget_changes();
+            seen.clear();
+            go_to(&mut stage, next, &mut most_moves, report.moves);
+        }
         // Freeing merged vertices leaves the strip as it was and is limited vertex by vertex.
         if report.vertex_passes > passes_before && !seen.insert(state_of(route)) {
             if work.is_strict {
@@ -159,12 +174,16 @@ pub fn smooth_sliding(
     }
 }
 
-/// By heap step C begins with this threshold, and goes on with finer ones when step D finds nothing to do. Passing vertices
-/// early spares most of the moves: a line that has to pass a vertex crowds there ever more slowly.
-const FIRST_THRESHOLD: f64 = 1e-3;
+/// Begins a stage after so many moves.
+fn go_to(stage: &mut Stage, next: Stage, most_moves: &mut u64, moves: u64) {
+    if let Stage::Heap { moves: Some(more), .. } = next {
+        *most_moves = moves + more;
+    }
+    *stage = next;
+}
 
-/// Each finer threshold as a share of the one before.
-const NEXT_THRESHOLD: f64 = 0.1;
+/// The first implicit step, in the motion's own time: about as far as each crossing is from its target.
+const FIRST_TIME_STEP: f64 = 1.0;
 
 /// A crossing nearer than this to a mesh vertex, in barycentric units, is at it when the stop reason is told.
 const AT_VERTEX: f64 = 1e-6;

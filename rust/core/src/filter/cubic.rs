@@ -14,8 +14,8 @@
 use glam::DVec3;
 
 use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge};
-use super::{Edge, MAX_REACH, SlidingFilter, Target};
-use crate::options::Knots;
+use super::{Edge, FourNeighbours, MAX_REACH, SlidingFilter, Target};
+use crate::options::{DEFAULT_SUPPORT, Knots};
 
 /// See the module.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,76 @@ impl SlidingFilter for Cubic {
         let points = self.choose_points(before, after);
         let mut knots: Row = points.iter().map(|_| -1.0).collect();
         self.seek(edge, &points, before.len() - 1, &mut knots, near).unwrap_or(unknown)
+    }
+
+    #[inline(always)]
+    fn target_of_four(
+        &self,
+        edge: &Edge,
+        points: &[DVec3; 4],
+        inner: usize,
+        t: f64,
+        near: Option<f64>,
+    ) -> Option<Target> {
+        let target = || self.seek(edge, points, inner, &mut [-1.0; 4], near);
+        (self.support == DEFAULT_SUPPORT).then(|| target().unwrap_or(Target { t, on_curve: None }))
+    }
+
+    fn target_with_slopes(
+        &self,
+        edge: &Edge,
+        neighbours: &FourNeighbours,
+        t: f64,
+        near: Option<f64>,
+    ) -> Option<(Target, [f64; 4])> {
+        if self.support != DEFAULT_SUPPORT {
+            return None;
+        }
+        let &FourNeighbours { points, slides, inner } = neighbours;
+        let unknown = (Target { t, on_curve: None }, [0.0; 4]);
+        let e = edge.high - edge.low;
+        let mut knots = [-1.0; 4];
+        if !self.place_knots(&points, inner, &mut knots) {
+            let foot = (points[inner] - edge.low).dot(e) / e.length_squared();
+            let target = foot.is_finite().then(|| Target { t: foot.clamp(0.0, 1.0), on_curve: None });
+            return Some(target.map_or(unknown, |target| (target, [0.0; 4])));
+        }
+        let curve = Curve::through(&knots, &points, edge.low);
+        let Some(target) = nearest_on_edge(&curve, e, -1.0, 1.0, near) else { return Some(unknown) };
+        let is_held = target.t == 0.0 || target.t == 1.0;
+        let Some(u) = target.on_curve.filter(|_| !is_held) else { return Some((target, [0.0; 4])) };
+        let Some(weights) = curve.foot_weights(&knots, e, u, target.t) else { return Some((target, [0.0; 4])) };
+        let mut slopes: [f64; 4] = std::array::from_fn(|m| weights[m].dot(slides[m]));
+        // A knot that moves takes the curve along by its own speed there, backwards.
+        let power = match self.knots {
+            Knots::Uniform => return Some((target, slopes)),
+            Knots::Centripetal => 0.5,
+            Knots::Chordal => 1.0,
+        };
+        // How fast the logarithm of each gap grows with the points at its two ends.
+        let stretch: [DVec3; 3] = std::array::from_fn(|i| {
+            let way = points[i + 1] - points[i];
+            way * (1.0 / way.length_squared())
+        });
+        let log_speed = |gap: usize, m: usize| match m {
+            _ if m == gap => -stretch[gap].dot(slides[m]),
+            _ if m == gap + 1 => stretch[gap].dot(slides[m]),
+            _ => 0.0,
+        };
+        for (outer, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, 1.0)] {
+            if outer == inner || outer == inner + 1 || (sign < 0.0) != (outer < inner) {
+                continue;
+            }
+            let drag = weights[outer].dot(curve.speed(knots[outer]));
+            let gaps = if outer < inner { outer..inner } else { inner + 1..outer };
+            for gap in gaps {
+                let step = knots[gap + 1] - knots[gap];
+                for (m, slope) in slopes.iter_mut().enumerate() {
+                    *slope -= drag * sign * power * step * (log_speed(gap, m) - log_speed(inner, m));
+                }
+            }
+        }
+        Some((target, if slopes.iter().all(|s| s.is_finite()) { slopes } else { [0.0; 4] }))
     }
 
     /// The bending energy of the polyline: squared turn of its direction over half the length of the two segments.
@@ -125,7 +195,6 @@ impl Cubic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::DEFAULT_SUPPORT;
 
     /// The paper's own form.
     const UNIFORM: Cubic = Cubic { knots: Knots::Uniform, support: DEFAULT_SUPPORT };
@@ -143,6 +212,36 @@ mod tests {
             let after = [on_cubic(1.0), on_cubic(2.0)];
             let t = UNIFORM.target(&edge, &before, &after, 0.9, None).t;
             assert!((t - 0.3).abs() < 1e-12, "{t}");
+        }
+    }
+
+    /// Against differences, for all knots, in the middle and near both ends.
+    #[test]
+    fn slopes_tell_how_the_target_follows_the_neighbours() {
+        let on = |u: f64| DVec3::new(u, 0.3 * u * u - 0.1 * u, 0.2 * (1.3 * u).sin());
+        let slides = [DVec3::new(0.2, 0.9, 0.1), DVec3::new(-0.3, 1.1, 0.2), DVec3::new(0.1, 0.8, -0.3), DVec3::Y];
+        let edge = Edge { low: DVec3::new(0.1, -0.7, 0.05), high: DVec3::new(-0.2, 0.9, 0.2) };
+        for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
+            for (inner, at) in [(1, [-2.3, -1.2, 0.8, 2.1]), (0, [-0.8, 0.9, 1.7, 3.0]), (2, [-2.9, -1.4, -0.6, 1.1])] {
+                let cubic = Cubic { knots, ..UNIFORM };
+                let points = at.map(on);
+                let ask = |points: [DVec3; 4]| {
+                    cubic.target_with_slopes(&edge, &FourNeighbours { points, slides, inner }, 0.5, None).unwrap()
+                };
+                let (target, slopes) = ask(points);
+                let before: Vec<DVec3> = points[..=inner].iter().rev().copied().collect();
+                assert_eq!(target, cubic.target(&edge, &before, &points[inner + 1..], 0.5, None));
+                assert!(target.t > 0.0 && target.t < 1.0, "{target:?}");
+                for m in 0..4 {
+                    let moved = |h: f64| {
+                        let mut points = points;
+                        points[m] += h * slides[m];
+                        ask(points).0.t
+                    };
+                    let slope = (moved(1e-4) - moved(-1e-4)) / 2e-4;
+                    assert!((slopes[m] - slope).abs() < 1e-5, "{knots:?} {inner} {m}: {} {slope}", slopes[m]);
+                }
+            }
         }
     }
 

@@ -25,6 +25,10 @@ const NEAR_STEPS: u32 = 6;
 /// its size (squared): knots that coincide cannot tell it.
 const DEPENDENT: f64 = 1e-20;
 
+/// A curve and an edge whose directions differ by less than this (squared sine) are taken for parallel: the nearest point
+/// slides along at any speed.
+const PARALLEL: f64 = 1e-4;
+
 /// One number for each neighbour.
 pub type Row = arrayvec::ArrayVec<f64, { MAX_REACH + 1 }>;
 
@@ -57,6 +61,45 @@ impl Curve {
             coefficients[0] = table[i] - coefficients[0] * knots[i];
         }
         Self { coefficients }
+    }
+
+    /// How fast the curve goes at parameter `u`.
+    #[inline]
+    pub fn speed(&self, u: f64) -> DVec3 {
+        let c = &self.coefficients;
+        c[1] + u * (2.0 * c[2] + u * 3.0 * c[3])
+    }
+
+    /// How fast the point at `t` of the edge from the origin to `e` follows when each of four points moves while the knots stay: the
+    /// speed is the product with the point's. The curve at `u` is nearest to it. `None` where the curve runs along the edge.
+    ///
+    /// Both stand still: (c - t e) . c' = 0 and (c - t e) . e = 0; the change of these two, solved for that of t.
+    #[inline(always)]
+    pub fn foot_weights(&self, knots: &[f64; 4], e: DVec3, u: f64, t: f64) -> Option<[DVec3; 4]> {
+        let c = &self.coefficients;
+        let off = c[0] + u * (c[1] + u * (c[2] + u * c[3])) - t * e;
+        let speed = self.speed(u);
+        let bend = 2.0 * c[2] + u * 6.0 * c[3];
+        let edge = e.length_squared();
+        // Held at an end of the stretch between the inner neighbours, the parameter does not follow.
+        let is_held = u.abs() >= 1.0;
+        let (along, across) = if is_held { (1.0, 0.0) } else { (speed.dot(speed) + off.dot(bend), speed.dot(e)) };
+        let scale = along * edge - across * across;
+        // Written so that what is not a number is refused.
+        if !(scale > PARALLEL * edge * along.abs()) {
+            return None;
+        }
+        let scale = 1.0 / scale;
+        let to = [u - knots[0], u - knots[1], u - knots[2], u - knots[3]];
+        let mut weights = [DVec3::ZERO; 4];
+        for (m, weight) in weights.iter_mut().enumerate() {
+            let [p, q, r] = [(m + 1) % 4, (m + 2) % 4, (m + 3) % 4];
+            let size = 1.0 / ((knots[m] - knots[p]) * (knots[m] - knots[q]) * (knots[m] - knots[r]));
+            let value = to[p] * to[q] * to[r] * size;
+            let slope = (to[p] * to[q] + to[q] * to[r] + to[p] * to[r]) * size;
+            *weight = (along * value * e - across * (value * speed + slope * off)) * scale;
+        }
+        Some(weights)
     }
 
     /// The cubic with the least sum of squared distances to `points - origin` at the knots.

@@ -47,6 +47,17 @@ pub struct Target {
     pub on_curve: Option<f64>,
 }
 
+/// Four neighbours of a vertex in the order of the line.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct FourNeighbours {
+    /// Where they are.
+    pub points: [DVec3; 4],
+    /// How each moves when its parameter grows by one; zero where it is fixed.
+    pub slides: [DVec3; 4],
+    /// Which one is next to the vertex, before it.
+    pub inner: usize,
+}
+
 /// A filter of the paper's kind.
 pub trait SlidingFilter {
     /// Neighbours a side that the target depends on. Where one side has fewer, the other gives as many
@@ -56,6 +67,32 @@ pub trait SlidingFilter {
     /// Where on `edge` the vertex belongs, seen from its neighbours; `t` (where it is) when they do not tell. `near`: what
     /// `on_curve` was when the neighbours were a little elsewhere; the point may then be sought near that alone.
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, near: Option<f64>) -> Target;
+
+    /// As [`SlidingFilter::target`] for a vertex between four neighbours, of which the one at `inner` is next to it, before it; to the
+    /// bit the same, in less time. `None` from a filter that looks at more or fewer.
+    #[inline(always)]
+    fn target_of_four(
+        &self,
+        _edge: &Edge,
+        _points: &[DVec3; 4],
+        _inner: usize,
+        _t: f64,
+        _near: Option<f64>,
+    ) -> Option<Target> {
+        None
+    }
+
+    /// As [`SlidingFilter::target`], with how fast the target follows each of four neighbours that move by their `slides`: in the
+    /// order of the line; `None` from a filter that looks at more or fewer.
+    fn target_with_slopes(
+        &self,
+        _edge: &Edge,
+        _neighbours: &FourNeighbours,
+        _t: f64,
+        _near: Option<f64>,
+    ) -> Option<(Target, [f64; 4])> {
+        None
+    }
 
     /// How bad a stretch of line is; step D passes a vertex only if this falls. `points` hold the changed stretch and
     /// `reach` fixed points on each side where there are as many.

@@ -78,6 +78,30 @@ impl Beads {
         Some(starts.map(|start| start..end_of(start)).collect())
     }
 
+    /// The beads of a range as an open line of its own, with up to `flank` fixed ones more on each side, and the place here of
+    /// each.
+    pub fn chain_of(&self, range: &Range<usize>, flank: usize) -> (Self, Vec<usize>) {
+        let walk = |from: usize, forward: bool| {
+            let next = move |&at: &usize| self.step(at, forward).filter(|at| !range.contains(at));
+            std::iter::successors(Some(from), next).skip(1).take(flank)
+        };
+        let mut places: Vec<usize> = walk(range.start, false).collect();
+        places.reverse();
+        let before = places.len();
+        places.extend(range.clone());
+        let inner = before..places.len();
+        places.extend(walk(range.end - 1, true));
+        let mut chain = Self::default();
+        for (k, &i) in places.iter().enumerate() {
+            if inner.contains(&k) && !self.is_fixed[i] {
+                chain.push(self.edges[i], self.parameters[i]);
+            } else {
+                chain.push_fixed(self.positions[i]);
+            }
+        }
+        (chain, places)
+    }
+
     /// Writes the parameters back to the route that the beads were made from; sets the flag of each leg that has changed.
     pub fn write_to(&self, route: &mut Route, is_changed: &mut [bool]) {
         let mut next = 0;
@@ -164,6 +188,27 @@ impl Beads {
             if distance > side.len() {
                 side.push(self.positions[at]);
             }
+        }
+    }
+
+    /// The four neighbours nearest to vertex `i` in the order of the line, and which of them is the one before it: two on each
+    /// side, or as many more of the other side as one side has fewer. `None` at an end, and where there are not four.
+    #[inline]
+    pub fn four_around(&self, i: usize) -> Option<([usize; 4], usize)> {
+        let count = self.len();
+        if count < 5 {
+            return None;
+        }
+        if i >= 2 && i + 2 < count {
+            return Some(([i - 2, i - 1, i + 1, i + 2], 1));
+        }
+        if self.closed {
+            return Some(([(i + count - 2) % count, (i + count - 1) % count, (i + 1) % count, (i + 2) % count], 1));
+        }
+        match i {
+            1 => Some(([0, 2, 3, 4], 0)),
+            _ if i + 2 == count => Some(([count - 5, count - 4, count - 3, count - 1], 2)),
+            _ => None,
         }
     }
 

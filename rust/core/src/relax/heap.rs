@@ -101,6 +101,13 @@ pub fn relax_by_heap(
         slide(beads, i, &mut swings[i], reach > 1);
         // Its target is made from its neighbours alone, and stays.
         rank(beads, i, threshold, &swings[i], &mut heap);
+        // Away from the ends of the line, where vertices look at three on one side, without walking.
+        if reach == 2 && i >= 5 && i + 5 < beads.len() {
+            for at in [i - 2, i - 1, i + 1, i + 2] {
+                judge(beads, filter, at, threshold, &mut swings[at], &mut heap, &mut sides);
+            }
+            continue;
+        }
         for forward in [false, true] {
             let mut at = i;
             for distance in 1..2 * reach {
@@ -165,9 +172,16 @@ fn judge(
     if beads.is_fixed[i] {
         return;
     }
-    beads.neighbourhood(i, filter.reach(), sides);
     let t = beads.parameters[i];
-    let found = filter.target(&beads.edges[i], &sides.before, &sides.after, t, swing.on_curve);
+    let four = (filter.reach() == 2).then(|| beads.four_around(i)).flatten();
+    let found = four.and_then(|(others, inner)| {
+        let points = others.map(|k| beads.positions[k]);
+        filter.target_of_four(&beads.edges[i], &points, inner, t, swing.on_curve)
+    });
+    let found = found.unwrap_or_else(|| {
+        beads.neighbourhood(i, filter.reach(), sides);
+        filter.target(&beads.edges[i], &sides.before, &sides.after, t, swing.on_curve)
+    });
     (swing.target, swing.on_curve) = (found.t, found.on_curve);
     rank(beads, i, threshold, swing, heap);
 }
