@@ -226,7 +226,9 @@ mod tests {
                 let cubic = Cubic { knots, ..UNIFORM };
                 let points = at.map(on);
                 let ask = |points: [DVec3; 4]| {
-                    cubic.target_with_slopes(&edge, &FourNeighbours { points, slides, inner }, 0.5, None).unwrap()
+                    cubic
+                        .target_with_slopes(&edge, &FourNeighbours { points, slides, inner }, 0.5, None)
+                        .expect("support 2")
                 };
                 let (target, slopes) = ask(points);
                 let before: Vec<DVec3> = points[..=inner].iter().rev().copied().collect();

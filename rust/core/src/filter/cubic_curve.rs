@@ -86,7 +86,8 @@ impl Curve {
         let (along, across) = if is_held { (1.0, 0.0) } else { (speed.dot(speed) + off.dot(bend), speed.dot(e)) };
         let scale = along * edge - across * across;
         // Written so that what is not a number is refused.
-        if !(scale > PARALLEL * edge * along.abs()) {
+        let is_across = scale > PARALLEL * edge * along.abs();
+        if !is_across {
             return None;
         }
         let scale = 1.0 / scale;
