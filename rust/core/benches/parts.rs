@@ -10,7 +10,7 @@ use std::time::Duration;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use smooth_polylines_core::adjacency::Adjacency;
-use smooth_polylines_core::filter::geodesic::Workspace;
+use smooth_polylines_core::filter::workspace::Workspace;
 use smooth_polylines_core::ids::TriangleId;
 use smooth_polylines_core::join::{join_picks, place_picks, search_end};
 use smooth_polylines_core::pauses::Pauses;

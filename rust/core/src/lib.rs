@@ -39,6 +39,7 @@ pub mod patches;
 pub mod pauses;
 pub mod polygons;
 pub mod polyline;
+pub mod pool;
 pub mod queue;
 pub mod ray_cast;
 pub mod regions;

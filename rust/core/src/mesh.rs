@@ -9,9 +9,11 @@ use glam::DVec3;
 use crate::adjacency::{Adjacency, VertexKind, other_spoke};
 use crate::cone::Cones;
 use crate::error::{MeshError, OptionError};
+use crate::filter::workspace::Workspace;
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::morton::CurveOrder;
 use crate::polygons::{Polygons, middle_triangle};
+use crate::pool::Pool;
 use crate::search::DualGraph;
 use crate::shaken::Shaken;
 use crate::surface_point::{Pick, SurfacePoint};
@@ -62,6 +64,7 @@ pub struct SurfaceMesh {
     triangle_tree: OnceLock<TriangleTree>,
     cones: Mutex<Vec<Cones>>,
     shaken: OnceLock<Box<Shaken>>,
+    workspaces: Pool<Workspace>,
 }
 
 impl SurfaceMesh {
@@ -101,6 +104,7 @@ impl SurfaceMesh {
             triangle_tree,
             cones,
             shaken,
+            workspaces: Pool::default(),
         })
     }
 
@@ -253,6 +257,11 @@ impl SurfaceMesh {
     #[inline]
     pub fn twin(&self, halfedge: HalfedgeId) -> Option<HalfedgeId> {
         self.adjacency.twin(halfedge)
+    }
+
+    /// Work space of lines that were straightened on this mesh.
+    pub(crate) fn workspaces(&self) -> &Pool<Workspace> {
+        &self.workspaces
     }
 
     /// See [`other_spoke`].

@@ -5,8 +5,8 @@
 //! memory, and the one search loop. Knows nothing of polylines.
 
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock};
 
 use glam::DVec3;
 
@@ -16,6 +16,7 @@ use crate::ids::{HalfedgeId, TriangleId};
 use crate::landmarks::{Aim, Landmarks};
 use crate::mesh::SurfaceMesh;
 use crate::morton::CurveOrder;
+use crate::pool::Pool;
 use crate::queue::Queue;
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
@@ -70,7 +71,7 @@ pub struct DualGraph {
     records: Vec<Record>,
     record_of: Vec<u32>,
     /// Work space of finished searches, taken up again by the next.
-    pool: Mutex<Vec<Scratch>>,
+    pool: Pool<Scratch>,
     landmarks: OnceLock<Option<Landmarks>>,
     /// Pops of all searches so far.
     total_pops: AtomicU64,
@@ -144,7 +145,7 @@ impl DualGraph {
         Self {
             records,
             record_of,
-            pool: Mutex::new(Vec::new()),
+            pool: Pool::default(),
             landmarks: OnceLock::new(),
             total_pops: AtomicU64::new(0),
             is_choosing: AtomicBool::new(false),
@@ -185,9 +186,7 @@ impl DualGraph {
         }
         let mut scratch = self.take_scratch();
         let result = self.search(from, to, &mut scratch, observer);
-        if let Ok(mut pool) = self.pool.lock() {
-            pool.push(scratch);
-        }
+        self.pool.put_back(scratch);
         if let Ok(Some(found)) = &result {
             self.total_pops.fetch_add(found.pops, Ordering::Relaxed);
         }
@@ -245,8 +244,7 @@ impl DualGraph {
     }
 
     fn take_scratch(&self) -> Scratch {
-        let pooled = self.pool.lock().ok().and_then(|mut pool| pool.pop());
-        let mut scratch = pooled.unwrap_or_default();
+        let mut scratch = self.pool.take();
         let is_worn = scratch.stamp > u32::MAX - 4;
         if scratch.visits.len() != self.records.len() || is_worn {
             // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.

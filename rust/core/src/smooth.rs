@@ -9,7 +9,6 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::fair_again::{FairBefore, smooth_fair_again};
 use crate::filter::cubic::Cubic;
-use crate::filter::geodesic::Workspace;
 use crate::filter::linear::Linear;
 use crate::join::{Input, join_picks, place_picks};
 use crate::kept::{Kept, KeptFair, LegNote, LegStart, Made};
@@ -96,11 +95,12 @@ pub fn smooth_input(
         _ if route.legs.is_empty() => {}
         Filter::None => route.part_equal_points(mesh),
         Filter::Geodesic => {
-            let mut work = Workspace::default();
+            let mut work = mesh.workspaces().take();
             let straighten = |leg: &mut Route, report: &mut Report| {
                 smooth_geodesic(mesh, leg, options, &mut work, report, &mut *observer)
             };
             stop_reasons = smooth_leg_by_leg(mesh, &mut route, &known, options.stages, &mut report, straighten)?;
+            mesh.workspaces().put_back(work.trimmed());
         }
         Filter::Linear => {
             let straighten = |leg: &mut Route, report: &mut Report| {
@@ -157,7 +157,9 @@ fn straighten_start(
     observer: &mut dyn Observer,
 ) -> Result<()> {
     let start = Options { max_iterations: None, stages: false, ..options.clone() };
-    smooth_geodesic(mesh, route, &start, &mut Workspace::default(), report, observer)?;
+    let mut work = mesh.workspaces().take();
+    smooth_geodesic(mesh, route, &start, &mut work, report, observer)?;
+    mesh.workspaces().put_back(work.trimmed());
     report.iterations = 0;
     Ok(())
 }

@@ -6,7 +6,8 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::filter::closed_geodesic::straighten_loop;
-use crate::filter::geodesic::{GeodesicLeg, Workspace, cross_straight};
+use crate::filter::geodesic::{GeodesicLeg, cross_straight};
+use crate::filter::workspace::Workspace;
 use crate::leg::Leg;
 use crate::loops::OwnRepeats;
 use crate::mesh::SurfaceMesh;

@@ -8,7 +8,8 @@ use glam::{DVec2, DVec3};
 
 use crate::cone::{Cone, Cones};
 use crate::error::Result;
-use crate::filter::geodesic::{GeodesicLeg, Workspace};
+use crate::filter::geodesic::GeodesicLeg;
+use crate::filter::workspace::Workspace;
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;

@@ -12,13 +12,13 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 
 use glam::DVec3;
 
 use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
 use crate::mesh::SurfaceMesh;
+use crate::pool::Pool;
 use crate::queue::Queue;
 use crate::report::{Observer, Step};
 use crate::search::FoundStrip;
@@ -85,7 +85,7 @@ pub struct WindowGraph {
     /// The mean of all barycentres.
     middle: DVec3,
     triangle_count: usize,
-    pool: Mutex<Vec<Scratch>>,
+    pool: Pool<Scratch>,
 }
 
 impl WindowGraph {
@@ -98,7 +98,7 @@ impl WindowGraph {
             slivers: triangles.chunks(64).map(bits).collect(),
             middle: sum / (3.0 * triangles.len() as f64),
             triangle_count: triangles.len(),
-            pool: Mutex::new(Vec::new()),
+            pool: Pool::default(),
         }
     }
 
@@ -112,8 +112,7 @@ impl WindowGraph {
 
     fn take_scratch(&self) -> Scratch {
         let entries = 4 * self.triangle_count;
-        let pooled = self.pool.lock().ok().and_then(|mut pool| pool.pop());
-        let mut scratch = pooled.unwrap_or_default();
+        let mut scratch = self.pool.take();
         if scratch.entries.len() != entries || scratch.stamp > u32::MAX - 4 {
             // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
             scratch.entries = vec![(0.0, 0); entries];
@@ -132,9 +131,7 @@ impl WindowGraph {
             // What a search across a large mesh has used is worth more to others than the millisecond to get it again.
             scratch = Scratch { entries: scratch.entries, stamp: scratch.stamp, ..Scratch::default() };
         }
-        if let Ok(mut pool) = self.pool.lock() {
-            pool.push(scratch);
-        }
+        self.pool.put_back(scratch);
     }
 }
 

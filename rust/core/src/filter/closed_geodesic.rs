@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 use glam::DVec2;
 
 use crate::error::{Error, Result};
-use crate::filter::geodesic::{GeodesicLeg, Workspace, cross_straight, unwind};
+use crate::filter::geodesic::{GeodesicLeg, cross_straight, unwind};
+use crate::filter::workspace::Workspace;
 use crate::ids::{HalfedgeId, VertexId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;

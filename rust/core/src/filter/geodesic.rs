@@ -15,11 +15,12 @@ use glam::{DVec2, DVec3};
 
 use crate::chain::{Chain, END, START};
 use crate::error::Result;
+use crate::filter::workspace::Workspace;
 use crate::ids::{HalfedgeId, VertexId};
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
-use crate::relax::funnel::{Funnel, cross_portal};
+use crate::relax::funnel::cross_portal;
 use crate::report::Report;
 use crate::spot::{Spot, parameter_at, spot_of};
 use crate::surface_point::SurfacePoint;
@@ -32,30 +33,6 @@ const MAX_CHANGES_AT_VERTEX: u32 = 60;
 
 /// Letters of a stretch that take milliseconds to unfold.
 const LONG_STRETCH: usize = 10_000;
-
-/// Work space shared by the legs of a line; kept for its memory.
-#[derive(Debug, Default)]
-pub struct Workspace {
-    unfolding: Unfolding,
-    funnel: Funnel,
-    links: Vec<u32>,
-    letters: Vec<HalfedgeId>,
-    /// The ends of the stretch of `letters`, where `unfolding` is of it.
-    unfolded: Option<[DVec3; 2]>,
-    others: Vec<HalfedgeId>,
-}
-
-impl Workspace {
-    /// Unfolds the stretch of `others` from `a` to `b`, unless that is what was unfolded last: most near lines turn at no
-    /// vertex, and are unfolded when they are straightened already.
-    fn unfold_others(&mut self, mesh: &SurfaceMesh, a: DVec3, b: DVec3) {
-        if self.unfolded != Some([a, b]) || self.letters != self.others {
-            std::mem::swap(&mut self.letters, &mut self.others);
-            self.unfolding.unfold(mesh, a, &self.letters, b);
-            self.unfolded = Some([a, b]);
-        }
-    }
-}
 
 /// One fixed end of a leg.
 #[derive(Clone, Copy, Debug)]

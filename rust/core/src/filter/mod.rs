@@ -9,6 +9,7 @@ pub mod cubic_curve;
 pub mod fair;
 pub mod geodesic;
 pub mod linear;
+pub mod workspace;
 
 use glam::DVec3;
 
