@@ -35,7 +35,11 @@ impl Route {
         // collapsed, which is not told here.
         let mut is_cut = false;
         for leg in &mut self.legs {
-            let cut = leg.without_full_turns(mesh).filter(|cut| !(self.pins.is_empty() && cut.word.is_empty()));
+            let mut cut = leg.without_full_turns(mesh);
+            if self.pins.is_empty() {
+                cut.iter_mut().for_each(|ring| ring.reduce_seam(mesh));
+                cut = cut.filter(|ring| !ring.word.is_empty());
+            }
             if let Some(cut) = cut {
                 (*leg, is_cut) = (cut, true);
             }

@@ -77,6 +77,14 @@ fn find_8_a_crossing_nudged_to_and_fro() {
     judge_line(&bytes("b9960001960000b6000000007bdfffffffffff4800000000000000fbffff00000000000000898989892b"));
 }
 
+/// A ring whose strip turned back across the seam, once a full turn round a vertex had been cut out of it.
+#[test]
+fn find_9_a_ring_turns_back_across_its_seam() {
+    judge_line(&bytes(
+        "ffd5ffd4393600d400d4ff350600363535002b35a9fffffffffafafa60fa25202941ffff25002b410034362d3653a9f2faff05fb2b",
+    ));
+}
+
 /// Any short input means something to each target.
 #[test]
 fn nothing_and_little_are_judged() {
