@@ -129,9 +129,11 @@ impl Funnel {
     }
 
     /// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
-    /// right chain, or grazes it, as it does one in the apex's own place; the mirror image for `sign` -1.
+    /// right chain, or grazes it, as it does one in the apex's own place; the mirror image for `sign` -1. A point in the apex's
+    /// own place is nowhere behind it.
     fn passes(&self, sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
-        self.is_rounding(corner - apex) || turns(-sign, corner - apex, point - apex)
+        let (to_corner, to_point) = (corner - apex, point - apex);
+        !self.is_rounding(to_point) && (self.is_rounding(to_corner) || turns(-sign, to_corner, to_point))
     }
 
     /// Whether rounding alone parts two ends that are `way` apart: such ends are in one place.
