@@ -12,10 +12,12 @@ use std::ops::{ControlFlow, Range};
 
 use glam::DVec3;
 
+use crate::error::Result;
 use crate::filter::geodesic::unwind;
 use crate::filter::{Edge, Side, SlidingFilter};
 use crate::ids::{HalfedgeId, VertexId};
 use crate::mesh::SurfaceMesh;
+use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
 use crate::relax::funnel::{Funnel, shortest_crossings};
 use crate::relax::heap::relax_by_heap;
@@ -99,7 +101,14 @@ pub fn merged_vertex(mesh: &SurfaceMesh, letter: HalfedgeId, t: f64) -> Option<V
     }
 }
 
+/// Letters of a leg from which on each change of it takes a millisecond: what comes after is moved.
+const LONG_LEG: usize = 20_000;
+
 /// Tries every mesh vertex that the legs with their flag in `is_open` run through between their pins; returns at how many the line changed.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`] at one of the `pauses`.
+#[expect(clippy::too_many_arguments, reason = "all of them are the state of one round")]
 pub fn pass_vertices(
     mesh: &SurfaceMesh,
     route: &mut Route,
@@ -108,7 +117,8 @@ pub fn pass_vertices(
     threshold: f64,
     report: &mut Report,
     work: &mut PassWork,
-) -> u64 {
+    pauses: &mut Pauses,
+) -> Result<u64> {
     let mut changes = 0;
     for leg in (0..route.legs.len()).filter(|&leg| is_open[leg]) {
         if route.pins.is_empty() {
@@ -117,16 +127,20 @@ pub fn pass_vertices(
         let mut from = 0;
         while let Some((vertex, letters)) = next_run(mesh, route, leg, from) {
             from = letters.end;
+            pauses.tick()?;
             if let Some(new_end) = try_pass(mesh, route, leg, vertex, letters, filter, threshold, report, work) {
                 changes += 1;
                 from = new_end;
+                if route.legs[leg].word.len() > LONG_LEG {
+                    pauses.pause()?;
+                }
             }
         }
         if route.pins.is_empty() {
             cancel_seam(mesh, route);
         }
     }
-    changes
+    Ok(changes)
 }
 
 /// Turns a closed word so that no run goes across its seam.

@@ -120,18 +120,20 @@ pub fn smooth_sliding(
         go_on(observer, Step::VertexPass)?;
         let has_rounds = report.iterations < limit;
         let passes_before = report.vertex_passes;
-        let mut changes = if has_rounds {
-            pass_vertices(mesh, route, &is_open, filter, stage.threshold(), report, &mut work)
+        let changes = if has_rounds {
+            let mut pauses = Pauses::new(observer, Step::VertexPass);
+            pass_vertices(mesh, route, &is_open, filter, stage.threshold(), report, &mut work, &mut pauses)?
         } else {
             0
         };
+        go_on(observer, Step::VertexPass)?;
         if changes > 0 {
             if filter.reach() > 1 {
                 own_repeats.follow(mesh, route);
+                go_on(observer, Step::VertexPass)?;
             }
             let cuts = own_repeats.cut_new_loops(mesh, route);
             report.loops_removed += cuts;
-            changes += cuts;
             refuse_collapsed(mesh, route, report.iterations)?;
         } else if matches!(stage, Stage::Implicit { steps: 1.., .. }) {
             is_finer = true;

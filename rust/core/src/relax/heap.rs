@@ -79,7 +79,11 @@ pub fn relax_by_heap(
     let mut swings: Vec<Swing> = beads.parameters.iter().map(start).collect();
     let mut sides = Neighbours::default();
     let all = 0..beads.len();
-    for i in first.unwrap_or(slice::from_ref(&all)).iter().cloned().flatten() {
+    let stopped = |moves| HeapOutcome { moves, end: HeapEnd::Stopped };
+    for (count, i) in first.unwrap_or(slice::from_ref(&all)).iter().cloned().flatten().enumerate() {
+        if count as u64 % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 && on_pause().is_break() {
+            return stopped(0);
+        }
         judge(beads, filter, i, threshold, &mut swings[i], &mut heap, &mut sides);
     }
     let reach = filter.reach();
@@ -88,14 +92,21 @@ pub fn relax_by_heap(
     loop {
         let Some(i) = heap.first() else {
             // Nearest points were followed from where they were: a curve may have come nearer elsewhere.
-            if seeks == MAX_SEEKS || !seek_again(beads, filter, threshold, &mut swings, &mut heap, &mut sides) {
+            if seeks == MAX_SEEKS {
+                break;
+            }
+            let sought = seek_again(beads, filter, threshold, &mut swings, &mut heap, &mut sides, &mut on_pause);
+            if sought.is_break() {
+                return stopped(moves);
+            }
+            if heap.first().is_none() {
                 break;
             }
             seeks += 1;
             continue;
         };
         if moves == move_limit || (moves % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 && on_pause().is_break()) {
-            return HeapOutcome { moves, end: HeapEnd::Stopped };
+            return stopped(moves);
         }
         moves += 1;
         slide(beads, i, &mut swings[i], reach > 1);
@@ -126,7 +137,7 @@ pub fn relax_by_heap(
     HeapOutcome { moves, end }
 }
 
-/// Seeks the targets of all vertices that have one without following; whether one is off its target now.
+/// Seeks the targets of all vertices that have one without following; those that are off their targets now are in the heap.
 fn seek_again(
     beads: &Beads,
     filter: &impl SlidingFilter,
@@ -134,12 +145,16 @@ fn seek_again(
     swings: &mut [Swing],
     heap: &mut ErrorHeap,
     sides: &mut Neighbours,
-) -> bool {
+    on_pause: &mut impl FnMut() -> ControlFlow<()>,
+) -> ControlFlow<()> {
     for (i, swing) in swings.iter_mut().enumerate().filter(|(_, swing)| swing.on_curve.is_some()) {
+        if i as u64 % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 {
+            on_pause()?;
+        }
         swing.on_curve = None;
         judge(beads, filter, i, threshold, swing, heap, sides);
     }
-    heap.first().is_some()
+    ControlFlow::Continue(())
 }
 
 /// Moves vertex `i` towards its target, all the way unless it is damped. The linear filter, which looks at one neighbour a
