@@ -83,7 +83,7 @@ impl Funnel {
     fn shrink(&self, funnel: &mut Span, side: usize, point: DVec2, at: impl Fn(u32) -> DVec2) -> u32 {
         // For the left end: a chain turns left only, and the line to `point` must too. The right end is its mirror image.
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let turn = |last: u32, way_in: Option<DVec2>| way_in.is_none_or(|way| turns(sign, way, point - at(last)));
+        let turn = |last: u32, way_in: Option<DVec2>| way_in.is_some_and(|way| turns(sign, way, point - at(last)));
         let turn_low = |low: usize, apex: usize| {
             let last = self.deque[low];
             turn(last, self.way_in(at(last), self.deque[low + 1..=apex].iter().map(|&end| at(end))))
@@ -122,7 +122,7 @@ impl Funnel {
     }
 
     /// The way to `here` along a chain, of which the ends before it come last first. Ends in one place say nothing of it: it
-    /// comes from the last one elsewhere. `None` where there is none, not even the apex.
+    /// comes from the last one elsewhere. `None` where there is none, not even the apex: then the chain adds nothing to it.
     fn way_in(&self, here: DVec2, before: impl Iterator<Item = DVec2>) -> Option<DVec2> {
         let mut ways = before.map(|end| here - end);
         ways.find(|&way| !self.is_rounding(way))
