@@ -76,7 +76,7 @@ impl SurfaceMesh {
     /// The first index out of range, repeated vertex, or referenced position that is not finite; wrong sizes.
     ///
     /// Cost: O(triangles), on as many threads as there are; 84 bytes a triangle are kept where there are half as many
-    /// vertices, and 16 more after the first search across the mesh. and 32 more once a large mesh was asked often (landmarks).
+    /// vertices, and 16 more after the first search across the mesh, and 32 more once a large mesh was asked often (landmarks).
     pub fn new(
         positions: Vec<DVec3>,
         triangles: Vec<[u32; 3]>,

@@ -48,8 +48,8 @@ struct Judgement {
 }
 
 /// Slides the beads by at most `most_steps` steps, the first of which is `time_step` long, until no free one is further than
-/// `threshold` from its target. `time_step` becomes what the next one would be. Nothing is done by a filter that does not look at four neighbours, and on fewer than
-/// [`FEWEST_BEADS`]. `on_pause` is called before each step. Cost: O(n) a step.
+/// `threshold` from its target. `time_step` becomes what the next one would be. Nothing is done by a filter that does not
+/// look at four neighbours, and on fewer than [`FEWEST_BEADS`]. `on_pause` is called before each step. Cost: O(n) a step.
 ///
 /// # Errors
 /// Those of `on_pause`.
