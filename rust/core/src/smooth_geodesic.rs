@@ -49,12 +49,44 @@ pub fn smooth_geodesic(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<()> {
-    let letters: usize = route.legs.iter().map(|leg| leg.word.len()).sum();
-    let limit = options.max_iterations.unwrap_or_else(|| round_bound(letters));
+    let limit = options.max_iterations.unwrap_or_else(|| round_bound(count_letters(route)));
     let bounds = (limit, options.stages);
     let own_repeats = OwnRepeats::of_route(mesh, route);
+    let finish = loop {
+        let finish = straighten_or_shake(mesh, route, &own_repeats, bounds, work, report, observer)?;
+        let before = count_letters(route);
+        route.snap_to_vertices(mesh);
+        // A full turn that is cut at a vertex may take with it what led there and back: then the line is not straight any more.
+        let is_shorter = count_letters(route) < before;
+        if !is_shorter || report.iterations >= limit {
+            break if is_shorter { Finish::Limited } else { finish };
+        }
+    };
+    report.stop_reason = match (finish, route.touches_vertex()) {
+        (Finish::Settled, false) => StopReason::Converged,
+        (Finish::Settled, true) => StopReason::ConvergedAtVertices,
+        (Finish::Cycling, _) => StopReason::Cycle,
+        (Finish::Limited, _) => StopReason::MaxIterations,
+    };
+    Ok(())
+}
+
+fn count_letters(route: &Route) -> usize {
+    route.legs.iter().map(|leg| leg.word.len()).sum()
+}
+
+/// Straightens the line on the mesh itself, and on the shaken one where the two-angle rule has no end there.
+fn straighten_or_shake(
+    mesh: &SurfaceMesh,
+    route: &mut Route,
+    own_repeats: &OwnRepeats,
+    bounds: (u32, bool),
+    work: &mut Workspace,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<Finish> {
     go_on(observer, Step::Relax)?;
-    let mut finish = straighten(mesh, route, &own_repeats, bounds, work, report, observer)?;
+    let mut finish = straighten(mesh, route, own_repeats, bounds, work, report, observer)?;
     let length_of_route = |route: &Route| points_of(mesh, route).map_or(0.0, |points| length_of(&points, route.closed));
     go_on(observer, Step::VertexPass)?;
     let mut length = if matches!(finish, Finish::Cycling) { length_of_route(route) } else { 0.0 };
@@ -63,7 +95,7 @@ pub fn smooth_geodesic(
             break;
         }
         // Where edges have no length, no angle tells which side of a vertex is better.
-        finish = straighten(&mesh.shaken().mesh, route, &own_repeats, bounds, work, report, observer)?;
+        finish = straighten(&mesh.shaken().mesh, route, own_repeats, bounds, work, report, observer)?;
         snap_shaken(mesh, route);
         straighten_between_vertices(mesh, route);
         // In needles angles are below what double precision can tell: there length is the judge.
@@ -73,14 +105,7 @@ pub fn smooth_geodesic(
         }
     }
     go_on(observer, Step::VertexPass)?;
-    route.snap_to_vertices(mesh);
-    report.stop_reason = match (finish, route.touches_vertex()) {
-        (Finish::Settled, false) => StopReason::Converged,
-        (Finish::Settled, true) => StopReason::ConvergedAtVertices,
-        (Finish::Cycling, _) => StopReason::Cycle,
-        (Finish::Limited, _) => StopReason::MaxIterations,
-    };
-    Ok(())
+    Ok(finish)
 }
 
 /// Rounds on all legs, and loops cut out, until neither changes anything; at most so many, with or without stages.
