@@ -8,7 +8,7 @@ import os
 import numpy as np
 
 from bench import figures
-from bench.tasks import NETWORK_BY, SMOOTH_BY
+from bench.tasks import NETWORK_BY, NETWORK_PICKS, SMOOTH_BY
 
 BEGIN = "<!-- measured: what follows is written by `make bench` -->"
 END = "<!-- /measured -->"
@@ -166,7 +166,7 @@ def cores_table(results):
         rows += [[f"{task}: {way}, ms", *[spread(wall) for wall in walls[way]]] for way in ways]
         rows.append([f"{task}: share", *[spread(figures.ratios(r, task, *ways, "wall")) for r in results["rungs"]]])
     note = (
-        "Wall time of a line between every two of 10 picks, quartiles in brackets: `network`, on "
+        f"Wall time of a line between every two of {NETWORK_PICKS} picks, quartiles in brackets: `network`, on "
         f"{results['machine']['cores']} cores, beside the same lines one after the other, which are equal to the byte."
     )
     return note + "\n\n" + table(rung_head(results), rows)

@@ -26,7 +26,7 @@ def long_calls(mesh, picks):
     pairs = [(i, j) for i in range(60) for j in range(i)]
     slow = {"filter": "cubic", "threshold": 1e-14, "pinned": "all", "max_iterations": 10**6}
     return {
-        "polyline": lambda **limits: mesh.polyline(picks, **slow, **limits),
+        "polyline": lambda **limits: mesh.polyline(picks * 20, **slow, **limits),
         "heap": lambda **limits: mesh.polyline(picks, filter="linear", solver="heap", threshold=1e-15, **limits),
         "stroke": lambda **limits: mesh.stroke(points, filter="geodesic", pinned="all", **limits),
         # A million crossings and millions of samples: a round takes seconds.

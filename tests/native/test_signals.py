@@ -17,7 +17,7 @@ from native.made_meshes import make_sphere
 def slow_call():
     """A call that takes long enough to be interrupted: all crossings of long lines, one at a time, to the last bit."""
     mesh = sp.SurfaceMesh(*make_sphere(7))
-    picks = list(range(0, 20 * 4**7, 20 * 4**7 // 60))
+    picks = list(range(0, 20 * 4**7, 20 * 4**7 // 60)) * 20
 
     def call():
         mesh.polyline(picks, filter="cubic", threshold=1e-14, pinned="all")
