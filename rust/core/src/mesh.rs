@@ -2,7 +2,7 @@
 //!
 //! Holds what every line on the mesh shares. Never changes after it was made, so it can be used by many threads.
 
-use std::sync::{Mutex, OnceLock};
+use std::sync::OnceLock;
 
 use glam::DVec3;
 
@@ -62,7 +62,7 @@ pub struct SurfaceMesh {
     window_graph: WindowGraph,
     report: OnceLock<MeshReport>,
     triangle_tree: OnceLock<TriangleTree>,
-    cones: Mutex<Vec<Cones>>,
+    cones: Pool<Cones>,
     shaken: OnceLock<Box<Shaken>>,
     workspaces: Pool<Workspace>,
 }
@@ -91,7 +91,7 @@ impl SurfaceMesh {
         );
         let dual_graph = DualGraph::new(&placed, &adjacency);
         let polygons = triangle_faces.map(Polygons::new);
-        let (report, triangle_tree, cones) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        let (report, triangle_tree, cones) = (OnceLock::new(), OnceLock::new(), Pool::default());
         let shaken = OnceLock::new();
         Ok(Self {
             positions,
@@ -178,14 +178,12 @@ impl SurfaceMesh {
 
     /// Cones that finished lines have measured: the next one need not measure them again. Empty for the first.
     pub fn take_cones(&self) -> Cones {
-        self.cones.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default()
+        self.cones.take()
     }
 
     /// Gives back what [`SurfaceMesh::take_cones`] gave, for the next line.
     pub fn put_back_cones(&self, cones: Cones) {
-        if let Ok(mut pool) = self.cones.lock() {
-            pool.push(cones);
-        }
+        self.cones.put_back(cones);
     }
 
     /// The mesh with vertices moved apart where triangles have no area. The first call makes it, at O(triangles); it is for
