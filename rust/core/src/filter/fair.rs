@@ -43,9 +43,11 @@ const CURVATURE_SPANS: isize = 8;
 /// A detail size below this, in the samples' unit, is taken for it: the curve is its input either way.
 const LEAST_DETAIL: f64 = 1e-3;
 
-/// A curve crosses at most so many times as many edges as its input, or so many, or so many a triangle: the second where
-/// that is more, the third where that is less. Round a tube of needles a smooth curve would wind millions of times.
-const MOST_CROSSINGS: (usize, usize, usize) = (64, 20_000, 8);
+/// A curve crosses at most so many times as many edges as its input, and where that is less [`MOST_CROSSINGS`], or on small
+/// meshes [`MOST_CROSSINGS_PER_TRIANGLE`]. Round a tube of needles a smooth curve would wind millions of times.
+const MOST_CROSSINGS_PER_INPUT: usize = 64;
+const MOST_CROSSINGS: usize = 20_000;
+const MOST_CROSSINGS_PER_TRIANGLE: usize = 8;
 
 /// A curve in the making.
 #[derive(Clone, Debug)]
@@ -312,8 +314,8 @@ impl FairCurve {
         pauses: &mut Pauses,
     ) -> Result<Option<Self>> {
         let crossings_before: usize = self.input.legs.iter().map(|leg| leg.word.len()).sum();
-        let (as_often, few, per_triangle) = MOST_CROSSINGS;
-        let most = (as_often * crossings_before).max(few.min(per_triangle * mesh.triangles().len()));
+        let few = MOST_CROSSINGS.min(MOST_CROSSINGS_PER_TRIANGLE * mesh.triangles().len());
+        let most = few.max(MOST_CROSSINGS_PER_INPUT * crossings_before);
         let mut points = self.points.clone();
         let mut crossed = vec![Vec::new(); points.len()];
         let mut left = most;
