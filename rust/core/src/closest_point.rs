@@ -10,7 +10,8 @@ use glam::DVec3;
 
 use crate::error::{OptionError, Result};
 use crate::ids::TriangleId;
-use crate::mesh::{MAX_COORDINATE, SurfaceMesh};
+use crate::mesh::SurfaceMesh;
+use crate::mesh_arrays::MAX_COORDINATE;
 use crate::report::{Observer, Step};
 use crate::smooth::go_on;
 use crate::surface_point::SurfacePoint;

@@ -31,6 +31,7 @@ pub mod leg;
 pub mod leg_by_leg;
 pub mod loops;
 pub mod mesh;
+pub mod mesh_arrays;
 pub mod morton;
 pub mod network;
 pub mod opened;
