@@ -72,7 +72,7 @@ impl Adjacency {
                 ends[low as usize] += 1;
             }
         }
-        let (twins, edge_counts) = pair_halfedges(triangles, ends);
+        let (twins, edge_counts) = pair_halfedges(triangles, ends, MOST_ENTRIES);
         Self { twins, spokes, edge_counts }
     }
 
@@ -179,46 +179,68 @@ pub fn other_spoke(triangles: &[[u32; 3]], halfedge: HalfedgeId, vertex: VertexI
     }
 }
 
+/// Half-edges that are sorted at a time, at most, but for those of one vertex: of ten million triangles all at once would take as
+/// much memory as positions and triangles. Up to 1.4 million triangles it is once.
+const MOST_ENTRIES: usize = 1 << 22;
+
 /// The twin table, with edges, boundaries and walls counted. `ends[v]`: half-edges whose lower end is `v`.
-fn pair_halfedges(triangles: &[[u32; 3]], mut ends: Vec<u32>) -> (Vec<u32>, EdgeCounts) {
+fn pair_halfedges(triangles: &[[u32; 3]], mut ends: Vec<u32>, most_entries: usize) -> (Vec<u32>, EdgeCounts) {
     let mut start = 0;
     for end in &mut ends {
         start += std::mem::replace(end, start);
     }
-    // Half-edges by lower end; each entry is (higher end, half-edge) in one word, so that sorting it orders by both.
-    let mut entries = vec![0u64; 3 * triangles.len()];
-    for (f, &[a, b, c]) in triangles.iter().enumerate() {
-        for (side, v, w) in [(0, a, b), (1, b, c), (2, c, a)] {
-            // From the start of the vertex's entries to their end.
-            let slot = &mut ends[v.min(w) as usize];
-            entries[*slot as usize] = (u64::from(v.max(w)) << 32) | (3 * f + side) as u64;
-            *slot += 1;
-        }
-    }
     let mut twins = vec![NO_TWIN; 3 * triangles.len()];
     let mut counts = EdgeCounts::default();
-    let mut start = 0;
-    for &end in &ends {
-        let bucket = &mut entries[start..end as usize];
-        start = end as usize;
-        sort_few(bucket);
-        let mut rest: &[u64] = bucket;
-        while let Some(&first) = rest.first() {
-            let same = rest.iter().take_while(|&&e| e >> 32 == first >> 32).count();
-            counts.edges += 1;
-            match same {
-                1 => counts.boundary_edges += 1,
-                2 => {
-                    let (a, b) = (rest[0] as u32, rest[1] as u32);
-                    twins[a as usize] = b;
-                    twins[b as usize] = a;
+    // Half-edges by lower end, for some vertices at a time; each entry is (higher end, half-edge) in one word, so that sorting
+    // it orders by both.
+    let mut from = 0;
+    while from < ends.len() {
+        // Entries are counted from the first of these vertices.
+        let start = ends[from];
+        let vertices = from..from + ends[from..].partition_point(|&end| (end - start) as usize <= most_entries).max(1);
+        from = vertices.end;
+        let all = ends.get(from).copied().unwrap_or(3 * triangles.len() as u32);
+        let mut entries = vec![0u64; (all - start) as usize];
+        for (f, &[a, b, c]) in triangles.iter().enumerate() {
+            for (side, v, w) in [(0, a, b), (1, b, c), (2, c, a)] {
+                let low = v.min(w) as usize;
+                if vertices.contains(&low) {
+                    // From the start of the vertex's entries to their end.
+                    let slot = &mut ends[low];
+                    entries[(*slot - start) as usize] = (u64::from(v.max(w)) << 32) | (3 * f + side) as u64;
+                    *slot += 1;
                 }
-                _ => counts.wall_edges += 1,
             }
-            rest = &rest[same..];
+        }
+        let mut first = start;
+        for &end in &ends[vertices] {
+            let bucket = &mut entries[(first - start) as usize..(end - start) as usize];
+            first = end;
+            pair_bucket(bucket, &mut twins, &mut counts);
         }
     }
     (twins, counts)
+}
+
+/// Pairs the half-edges of one lower end.
+#[inline]
+fn pair_bucket(bucket: &mut [u64], twins: &mut [u32], counts: &mut EdgeCounts) {
+    sort_few(bucket);
+    let mut rest: &[u64] = bucket;
+    while let Some(&first) = rest.first() {
+        let same = rest.iter().take_while(|&&e| e >> 32 == first >> 32).count();
+        counts.edges += 1;
+        match same {
+            1 => counts.boundary_edges += 1,
+            2 => {
+                let (a, b) = (rest[0] as u32, rest[1] as u32);
+                twins[a as usize] = b;
+                twins[b as usize] = a;
+            }
+            _ => counts.wall_edges += 1,
+        }
+        rest = &rest[same..];
+    }
 }
 
 /// Sorts what nearly always are a handful of entries: by insertion, without a call.
@@ -243,6 +265,26 @@ fn sort_few(entries: &mut [u64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pairs_are_the_same_however_many_are_sorted_at_a_time() {
+        // A fan round vertex 0, the rest of a grid behind it, a wall, a boundary and vertices without triangles.
+        let grid = (0..40u32).flat_map(|k| {
+            let (a, b) = (k + k / 8, k + k / 8 + 9);
+            [[a, a + 1, b], [a + 1, b + 1, b]]
+        });
+        let triangles: Vec<[u32; 3]> = grid.chain([[0, 1, 60], [60, 61, 0], [0, 63, 60]]).collect();
+        let count_ends = || {
+            let mut ends = vec![0; 70];
+            triangles.iter().flat_map(|&[a, b, c]| [a.min(b), b.min(c), c.min(a)]).for_each(|v| ends[v as usize] += 1);
+            ends
+        };
+        let at_once = pair_halfedges(&triangles, count_ends(), usize::MAX);
+        assert!(at_once.1.wall_edges > 0 && at_once.1.boundary_edges > 0, "{:?}", at_once.1);
+        for most in [0, 1, 7, 50] {
+            assert_eq!(pair_halfedges(&triangles, count_ends(), most), at_once, "{most} at a time");
+        }
+    }
 
     #[test]
     fn two_triangles_of_opposite_winding_are_twins_across_their_edge() {

@@ -18,6 +18,7 @@ pub mod closest_point;
 pub mod cone;
 pub mod connections;
 pub mod diagonals;
+pub mod dual_nodes;
 pub mod edge_path;
 pub mod embed;
 pub mod error;

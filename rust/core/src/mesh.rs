@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::adjacency::{Adjacency, VertexKind, other_spoke};
 use crate::cone::Cones;
+use crate::dual_nodes::{KeptNodes, OnDemand, Records};
 use crate::error::{MeshError, OptionError};
 use crate::filter::workspace::Workspace;
 use crate::ids::{HalfedgeId, TriangleId, VertexId};
@@ -15,11 +16,15 @@ use crate::mesh_arrays::{check_sizes, check_triangles};
 use crate::morton::CurveOrder;
 use crate::polygons::{Polygons, middle_triangle};
 use crate::pool::Pool;
-use crate::search::DualGraph;
+use crate::search::{DualGraph, KeptGraph};
 use crate::shaken::Shaken;
 use crate::surface_point::{Pick, SurfacePoint};
 use crate::triangle_tree::TriangleTree;
 use crate::window_search::WindowGraph;
+
+/// Meshes of more triangles are kept without records for step B and without work space from search to search: less than twice
+/// the memory of positions and triangles, instead of nearly four times. Below it speed counts for more.
+pub const MOST_RECORDS: usize = 1 << 22;
 
 /// What was found on a mesh when it was opened.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,7 +58,9 @@ pub struct SurfaceMesh {
     triangles: Vec<[u32; 3]>,
     adjacency: Adjacency,
     polygons: Option<Polygons>,
-    dual_graph: DualGraph,
+    kept_graph: KeptGraph,
+    /// See [`MOST_RECORDS`].
+    spares_memory: bool,
     window_graph: WindowGraph,
     report: OnceLock<MeshReport>,
     triangle_tree: OnceLock<TriangleTree>,
@@ -72,19 +79,44 @@ impl SurfaceMesh {
     ///
     /// Cost: O(triangles), on as many threads as there are; 84 bytes a triangle are kept where there are half as many
     /// vertices, and 16 more after the first search across the mesh, and 32 more once a large mesh was asked often (landmarks).
+    /// On a mesh of more than [`MOST_RECORDS`] triangles it is 40 bytes, and searches leave nothing. The boxes that strokes and rays
+    /// look through take 14 bytes more, 18 there.
     pub fn new(
         positions: Vec<DVec3>,
         triangles: Vec<[u32; 3]>,
         triangle_faces: Option<Vec<u32>>,
+    ) -> Result<Self, MeshError> {
+        let spares_memory = triangles.len() > MOST_RECORDS;
+        Self::with_memory(positions, triangles, triangle_faces, spares_memory)
+    }
+
+    /// As [`SurfaceMesh::new`], but it is the caller who says whether to spare memory, as is done on very large meshes: lines cost
+    /// the same number of steps then, but a step of step B costs more.
+    ///
+    /// # Errors
+    /// Those of [`SurfaceMesh::new`].
+    pub fn with_memory(
+        positions: Vec<DVec3>,
+        triangles: Vec<[u32; 3]>,
+        triangle_faces: Option<Vec<u32>>,
+        spares_memory: bool,
     ) -> Result<Self, MeshError> {
         check_sizes(&positions, &triangles, triangle_faces.as_deref())?;
         check_triangles(&positions, &triangles)?;
         // The three do not need each other; two threads have about the same to do.
         let (adjacency, (placed, window_graph)) = rayon::join(
             || Adjacency::new(&triangles, positions.len()),
-            || rayon::join(|| CurveOrder::new(&positions, &triangles), || WindowGraph::new(&positions, &triangles)),
+            || {
+                rayon::join(
+                    || (!spares_memory).then(|| CurveOrder::new(&positions, &triangles)),
+                    || WindowGraph::new(&positions, &triangles),
+                )
+            },
         );
-        let dual_graph = DualGraph::new(&placed, &adjacency);
+        let nodes = match placed {
+            Some(placed) => KeptNodes::Records(Records::new(&placed, &adjacency)),
+            None => KeptNodes::OnDemand(OnDemand::default()),
+        };
         let polygons = triangle_faces.map(Polygons::new);
         let (report, triangle_tree, cones) = (OnceLock::new(), OnceLock::new(), Pool::default());
         let shaken = OnceLock::new();
@@ -93,7 +125,8 @@ impl SurfaceMesh {
             triangles,
             adjacency,
             polygons,
-            dual_graph,
+            kept_graph: KeptGraph::new(nodes),
+            spares_memory,
             window_graph,
             report,
             triangle_tree,
@@ -152,8 +185,13 @@ impl SurfaceMesh {
     }
 
     /// The graph that step B searches.
-    pub fn dual_graph(&self) -> &DualGraph {
-        &self.dual_graph
+    pub fn dual_graph(&self) -> DualGraph<'_> {
+        DualGraph::new(self, &self.kept_graph)
+    }
+
+    /// Whether work space of searches, which grows with the mesh, is kept for the next one.
+    pub(crate) fn keeps_work_space(&self) -> bool {
+        !self.spares_memory
     }
 
     /// Whether the boxes round the triangles have been built.

@@ -24,30 +24,62 @@ pub struct CurveOrder {
 impl CurveOrder {
     /// Positions of all corners must be finite. Cost: O(triangles), on as many threads as there are.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
-        let barycentre = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
-            (a + b + c) / 3.0
-        };
-        let barycentres: Vec<DVec3> = triangles.par_iter().with_min_len(TRIANGLES_PER_TASK).map(barycentre).collect();
-        let order = morton_order(&barycentres);
+        let place = |t| barycentre(positions, t);
+        let barycentres: Vec<DVec3> = triangles.par_iter().with_min_len(TRIANGLES_PER_TASK).map(place).collect();
+        let order = morton_order(barycentres.len(), |i| barycentres[i]);
         Self { barycentres, order }
     }
 }
 
-/// Indices of points along the curve, ties by index.
-fn morton_order(points: &[DVec3]) -> Vec<u32> {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for &p in points {
-        (low, high) = (low.min(p), high.max(p));
+/// Triangle ids along the curve, ties by id, without keeping barycentres. Cost: O(triangles).
+pub fn curve_order(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u32> {
+    morton_order(triangles.len(), |i| barycentre(positions, &triangles[i]))
+}
+
+/// Where a triangle is.
+#[inline]
+pub fn barycentre(positions: &[DVec3], triangle: &[u32; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(|v| positions[v as usize]);
+    (a + b + c) / 3.0
+}
+
+/// The cube that the curve fills.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    low: DVec3,
+    scale: f64,
+}
+
+impl Frame {
+    /// The cube round the barycentres of all triangles. Cost: O(triangles).
+    pub fn of_triangles(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        Self::of_points(triangles.iter().map(|t| barycentre(positions, t)))
     }
-    let size = (high - low).max_element();
-    let scale = if size > 0.0 { f64::from((1u32 << BITS) - 1) / size } else { 0.0 };
-    let key = |(i, &p): (usize, &DVec3)| {
-        let cell = (p - low) * scale;
+
+    fn of_points(points: impl Iterator<Item = DVec3>) -> Self {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in points {
+            (low, high) = (low.min(p), high.max(p));
+        }
+        let size = (high - low).max_element();
+        let scale = if size > 0.0 { f64::from((1u32 << BITS) - 1) / size } else { 0.0 };
+        Self { low, scale }
+    }
+
+    /// What points are sorted by: the code of the place, ties by index.
+    #[inline]
+    pub fn key(&self, point: DVec3, index: u32) -> u64 {
+        let cell = (point - self.low) * self.scale;
         let code = spread(cell.x as u32) | spread(cell.y as u32) << 1 | spread(cell.z as u32) << 2;
-        u64::from(code) << 32 | i as u64
-    };
-    let keys: Vec<u64> = points.par_iter().enumerate().with_min_len(TRIANGLES_PER_TASK).map(key).collect();
+        u64::from(code) << 32 | u64::from(index)
+    }
+}
+
+/// Indices of so many points along the curve, ties by index.
+fn morton_order(count: usize, point: impl Fn(usize) -> DVec3 + Sync) -> Vec<u32> {
+    let frame = Frame::of_points((0..count).map(&point));
+    let key = |i: usize| frame.key(point(i), i as u32);
+    let keys: Vec<u64> = (0..count).into_par_iter().with_min_len(TRIANGLES_PER_TASK).map(key).collect();
     sort_by_code(keys).into_iter().map(|key| key as u32).collect()
 }
 
@@ -115,6 +147,6 @@ mod tests {
 
     #[test]
     fn points_in_one_place_keep_their_order() {
-        assert_eq!(morton_order(&[DVec3::ONE; 5]), [0, 1, 2, 3, 4]);
+        assert_eq!(morton_order(5, |_| DVec3::ONE), [0, 1, 2, 3, 4]);
     }
 }

@@ -1,8 +1,8 @@
 //! Step B: the shortest path in the dual graph between two picks (the paper, section 4).
 //!
 //! Nodes are triangles, edges join triangles that share a crossable edge, and weigh the distance of the barycentres.
-//! Holds the graph in flat records, ordered along a Morton curve so that neighbours in space are neighbours in
-//! memory, and the one search loop. Knows nothing of polylines.
+//! Holds the one search loop and what searches share; the nodes themselves are in [`crate::dual_nodes`]. Knows nothing of
+//! polylines.
 
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
@@ -10,19 +10,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::DVec3;
 
-use crate::adjacency::Adjacency;
+use crate::dual_nodes::{KeptNodes, MeshNodes, NONE, Nodes, OnDemand};
 use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId};
 use crate::landmarks::{Aim, Landmarks};
 use crate::mesh::SurfaceMesh;
-use crate::morton::CurveOrder;
 use crate::pool::Pool;
 use crate::queue::Queue;
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
-
-/// No neighbour across this side, or no predecessor.
-const NONE: u32 = u32::MAX;
 
 /// Triangles taken from the queue between two calls of the observer; about a millisecond.
 const POPS_PER_OBSERVATION: u64 = 4096;
@@ -38,23 +34,14 @@ const POPS_BEFORE_LANDMARKS: u64 = 16;
 /// Rounding of a sum of some ten thousand weights, as a share of it.
 const COST_ROUNDING: f64 = 1e-11;
 
-/// One triangle as the search sees it: all it needs in one place.
-#[derive(Clone, Copy, Debug)]
-struct Record {
-    barycentre: DVec3,
-    /// Records across sides 0, 1, 2.
-    neighbours: [u32; 3],
-    triangle: u32,
-}
-
-/// What a search knows of a record. `stamp` tells to which search it belongs, so that nothing has to be cleared
+/// What a search knows of a node. `stamp` tells to which search it belongs, so that nothing has to be cleared
 /// between searches and a near search costs nothing on a large mesh.
 #[derive(Clone, Copy, Debug)]
 struct Visit {
     cost: f64,
-    /// `3 * record + side` that was crossed to get here; `NONE` at a source.
+    /// `3 * node + side` that was crossed to get here; [`NONE`] at a source.
     via: u32,
-    /// The search's stamp, plus 1 when the record is closed.
+    /// The search's stamp, plus 1 when the node is closed.
     stamp: u32,
 }
 
@@ -65,11 +52,10 @@ struct Scratch {
     stamp: u32,
 }
 
-/// The dual graph of a mesh.
+/// What a mesh keeps for searches of its dual graph.
 #[derive(Debug)]
-pub struct DualGraph {
-    records: Vec<Record>,
-    record_of: Vec<u32>,
+pub struct KeptGraph {
+    nodes: KeptNodes,
     /// Work space of finished searches, taken up again by the next.
     pool: Pool<Scratch>,
     landmarks: OnceLock<Option<Landmarks>>,
@@ -77,6 +63,13 @@ pub struct DualGraph {
     total_pops: AtomicU64,
     /// Set by the one thread that chooses landmarks; others search without meanwhile.
     is_choosing: AtomicBool,
+}
+
+/// The dual graph of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct DualGraph<'a> {
+    mesh: &'a SurfaceMesh,
+    kept: &'a KeptGraph,
 }
 
 /// A strip of triangles between two picks.
@@ -125,43 +118,38 @@ impl Drop for HeldLandmarks<'_> {
     }
 }
 
-impl DualGraph {
-    /// Builds the records. Cost: O(triangles), on as many threads as there are.
-    pub fn new(placed: &CurveOrder, adjacency: &Adjacency) -> Self {
-        let CurveOrder { barycentres, order } = placed;
-        let mut record_of = vec![0; order.len()];
-        for (record, &triangle) in order.iter().enumerate() {
-            record_of[triangle as usize] = record as u32;
-        }
-        // In the order of the triangles: what is read lies together then, and only the record that is written does not.
-        let unset = Record { barycentre: DVec3::ZERO, neighbours: [NONE; 3], triangle: NONE };
-        let mut records = vec![unset; order.len()];
-        for (triangle, (&record, &barycentre)) in (0..).zip(record_of.iter().zip(barycentres)) {
-            let neighbours = TriangleId(triangle)
-                .halfedges()
-                .map(|h| adjacency.twin(h).map_or(NONE, |t| record_of[t.triangle().index()]));
-            records[record as usize] = Record { barycentre, neighbours, triangle };
-        }
+impl KeptGraph {
+    /// Before the first search.
+    pub fn new(nodes: KeptNodes) -> Self {
         Self {
-            records,
-            record_of,
+            nodes,
             pool: Pool::default(),
             landmarks: OnceLock::new(),
             total_pops: AtomicU64::new(0),
             is_choosing: AtomicBool::new(false),
         }
     }
+}
+
+impl<'a> DualGraph<'a> {
+    /// The graph of a mesh, with what that mesh keeps of it.
+    pub(crate) fn new(mesh: &'a SurfaceMesh, kept: &'a KeptGraph) -> Self {
+        Self { mesh, kept }
+    }
 
     /// The barycentre of a triangle.
     #[inline]
     pub fn barycentre(&self, triangle: TriangleId) -> DVec3 {
-        self.records[self.record_of[triangle.index()] as usize].barycentre
+        match &self.kept.nodes {
+            KeptNodes::Records(records) => records.position(records.node(triangle)),
+            KeptNodes::OnDemand(kept) => self.nodes(kept).position(triangle.0),
+        }
     }
 
     /// The triangle at a place of the Morton curve, counted from 0.
     #[inline]
     pub fn triangle_at(&self, place: usize) -> TriangleId {
-        TriangleId(self.records[place].triangle)
+        self.kept.nodes.triangle_at(place, self.mesh)
     }
 
     /// The cheapest strip from one end to the other, `None` when they are not connected.
@@ -185,10 +173,16 @@ impl DualGraph {
             self.choose_landmarks_if_due(near, observer)?;
         }
         let mut scratch = self.take_scratch();
-        let result = self.search(from, to, &mut scratch, observer);
-        self.pool.put_back(scratch);
+        let landmarks = self.kept.landmarks.get().and_then(Option::as_ref);
+        let result = match &self.kept.nodes {
+            KeptNodes::Records(records) => search(records, landmarks, from, to, &mut scratch, observer),
+            KeptNodes::OnDemand(kept) => search(&self.nodes(kept), landmarks, from, to, &mut scratch, observer),
+        };
+        if self.mesh.keeps_work_space() {
+            self.kept.pool.put_back(scratch);
+        }
         if let Ok(Some(found)) = &result {
-            self.total_pops.fetch_add(found.pops, Ordering::Relaxed);
+            self.kept.total_pops.fetch_add(found.pops, Ordering::Relaxed);
         }
         result
     }
@@ -198,16 +192,17 @@ impl DualGraph {
     /// # Errors
     /// [`Error::Interrupted`] when the observer says so.
     pub fn choose_landmarks_if_due(&self, near: TriangleId, observer: &mut dyn Observer) -> Result<(), Error> {
-        let is_due = self.records.len() >= LANDMARK_TRIANGLES
-            && self.total_pops.load(Ordering::Relaxed) >= POPS_BEFORE_LANDMARKS * self.records.len() as u64;
+        let triangles = self.mesh.triangles().len();
+        let is_due = triangles >= LANDMARK_TRIANGLES
+            && self.kept.total_pops.load(Ordering::Relaxed) >= POPS_BEFORE_LANDMARKS * triangles as u64;
         if is_due { self.choose_landmarks(near, observer) } else { Ok(()) }
     }
 
     /// As long as the result lives no landmarks are chosen: searches that go on side by side then count the same pops
     /// whichever comes first.
-    pub fn hold_landmarks(&self) -> HeldLandmarks<'_> {
-        let is_own = !self.is_choosing.swap(true, Ordering::Acquire);
-        HeldLandmarks { is_choosing: is_own.then_some(&self.is_choosing) }
+    pub fn hold_landmarks(&self) -> HeldLandmarks<'a> {
+        let is_own = !self.kept.is_choosing.swap(true, Ordering::Acquire);
+        HeldLandmarks { is_choosing: is_own.then_some(&self.kept.is_choosing) }
     }
 
     /// Chooses landmarks in the part of the mesh that holds `near`, unless they are there or another thread is at it.
@@ -215,139 +210,158 @@ impl DualGraph {
     /// # Errors
     /// [`Error::Interrupted`] when the observer says so.
     pub fn choose_landmarks(&self, near: TriangleId, observer: &mut dyn Observer) -> Result<(), Error> {
-        if self.landmarks.get().is_some() || self.is_choosing.swap(true, Ordering::Acquire) {
+        let kept = self.kept;
+        if kept.landmarks.get().is_some() || kept.is_choosing.swap(true, Ordering::Acquire) {
             return Ok(());
         }
-        let neighbours = |id: u32, visit: &mut dyn FnMut(u32, f64)| {
-            let record = &self.records[id as usize];
-            for next in record.neighbours.into_iter().filter(|&next| next != NONE) {
-                visit(next, record.barycentre.distance(self.records[next as usize].barycentre));
-            }
+        let chosen = match &kept.nodes {
+            KeptNodes::Records(records) => choose_among(records, near, observer),
+            KeptNodes::OnDemand(kept) => choose_among(&self.nodes(kept), near, observer),
         };
-        let mut pops = 0u64;
-        let pause = || {
-            pops += 1;
-            let is_time = pops % POPS_PER_OBSERVATION == 0;
-            if is_time && observer.step(Step::Search) == ControlFlow::Break(()) {
-                Err(Error::Interrupted)
-            } else {
-                Ok(())
-            }
-        };
-        let chosen = Landmarks::choose(self.records.len(), self.record_of[near.index()], neighbours, pause);
         let result = chosen.map(|landmarks| {
             // No other thread got here, so this sets.
-            let _ = self.landmarks.set(landmarks);
+            let _ = kept.landmarks.set(landmarks);
         });
-        self.is_choosing.store(false, Ordering::Release);
+        kept.is_choosing.store(false, Ordering::Release);
         result
     }
 
+    fn nodes(&self, kept: &'a OnDemand) -> MeshNodes<'a> {
+        MeshNodes { mesh: self.mesh, kept }
+    }
+
     fn take_scratch(&self) -> Scratch {
-        let mut scratch = self.pool.take();
+        let count = self.mesh.triangles().len();
+        let mut scratch = self.kept.pool.take();
         let is_worn = scratch.stamp > u32::MAX - 4;
-        if scratch.visits.len() != self.records.len() || is_worn {
+        if scratch.visits.len() != count || is_worn {
             // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
-            scratch.visits = vec![Visit { cost: 0.0, via: 0, stamp: 0 }; self.records.len()];
+            scratch.visits = vec![Visit { cost: 0.0, via: 0, stamp: 0 }; count];
             scratch.stamp = 0;
         }
         scratch.stamp += 2;
         scratch.queue.clear();
         scratch
     }
+}
 
-    fn search(
-        &self,
-        from: &SearchEnd,
-        to: &SearchEnd,
-        scratch: &mut Scratch,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<FoundStrip>, Error> {
-        let Scratch { visits, queue, stamp } = scratch;
-        let (records, visits) = (self.records.as_slice(), visits.as_mut_slice());
-        let (open, closed) = (*stamp, *stamp + 1);
-        let goals: Vec<u32> = to.triangles.iter().map(|t| self.record_of[t.index()]).collect();
-        let straight = |id: u32| records[id as usize].barycentre.distance(to.anchor);
-        let landmarks = self.landmarks.get().and_then(Option::as_ref);
-        let aim: Option<(&Landmarks, Aim)> =
-            landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
-        let rest = |id: u32, straight: f64| match &aim {
-            Some((landmarks, aim)) => straight.max(landmarks.bound(id, aim)),
-            None => straight,
-        };
-        for source in &from.triangles {
-            let id = self.record_of[source.index()];
-            let cost = records[id as usize].barycentre.distance(from.anchor);
-            visits[id as usize] = Visit { cost, via: NONE, stamp: open };
-            queue.push(cost + rest(id, straight(id)), id.into());
+/// Landmarks among these nodes. See [`DualGraph::choose_landmarks`].
+fn choose_among(nodes: &impl Nodes, near: TriangleId, observer: &mut dyn Observer) -> Result<Option<Landmarks>, Error> {
+    let neighbours = |id: u32, visit: &mut dyn FnMut(u32, f64)| {
+        let position = nodes.position(id);
+        for next in nodes.neighbours(id).into_iter().filter(|&next| next != NONE) {
+            visit(next, position.distance(nodes.position(next)));
         }
-        let mut best: Option<(f64, u32)> = None;
-        let mut pops = 0u64;
-        while let Some((estimate, id)) = queue.pop() {
-            let id = id as u32;
-            // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such
-            // strips does not hang on the order of the search.
-            if best.is_some_and(|(cost, _)| estimate > cost * (1.0 + COST_ROUNDING)) {
-                break;
-            }
-            let visit = &mut visits[id as usize];
-            if visit.stamp == closed {
+    };
+    let mut pops = 0u64;
+    let pause = || {
+        pops += 1;
+        let is_time = pops % POPS_PER_OBSERVATION == 0;
+        if is_time && observer.step(Step::Search) == ControlFlow::Break(()) { Err(Error::Interrupted) } else { Ok(()) }
+    };
+    Landmarks::choose(nodes.count(), nodes.node(near), neighbours, pause)
+}
+
+/// [`DualGraph::find_strip`] among these nodes.
+fn search(
+    nodes: &impl Nodes,
+    landmarks: Option<&Landmarks>,
+    from: &SearchEnd,
+    to: &SearchEnd,
+    scratch: &mut Scratch,
+    observer: &mut dyn Observer,
+) -> Result<Option<FoundStrip>, Error> {
+    let Scratch { visits, queue, stamp } = scratch;
+    let visits = visits.as_mut_slice();
+    let (open, closed) = (*stamp, *stamp + 1);
+    let goals: Vec<u32> = to.triangles.iter().map(|t| nodes.node(*t)).collect();
+    let straight = |id: u32| nodes.position(id).distance(to.anchor);
+    let aim: Option<(&Landmarks, Aim)> =
+        landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
+    let rest = |id: u32, straight: f64| match &aim {
+        Some((landmarks, aim)) => straight.max(landmarks.bound(id, aim)),
+        None => straight,
+    };
+    for source in &from.triangles {
+        let id = nodes.node(*source);
+        let cost = nodes.position(id).distance(from.anchor);
+        visits[id as usize] = Visit { cost, via: NONE, stamp: open };
+        queue.push(cost + rest(id, straight(id)), id.into());
+    }
+    let mut best: Option<(f64, u32)> = None;
+    let mut pops = 0u64;
+    while let Some((estimate, id)) = queue.pop() {
+        let id = id as u32;
+        // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such
+        // strips does not hang on the order of the search.
+        if best.is_some_and(|(cost, _)| estimate > cost * (1.0 + COST_ROUNDING)) {
+            break;
+        }
+        let visit = &mut visits[id as usize];
+        if visit.stamp == closed {
+            continue;
+        }
+        visit.stamp = closed;
+        let cost = visit.cost;
+        pops += 1;
+        if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
+            return Err(Error::Interrupted);
+        }
+        if goals.contains(&id) {
+            let candidate = (cost + straight(id), id);
+            let is_before = |best: (f64, u32)| {
+                candidate.0 < best.0 || (candidate.0 == best.0 && nodes.place(id) < nodes.place(best.1))
+            };
+            best = Some(best.filter(|&best| !is_before(best)).unwrap_or(candidate));
+        }
+        let position = nodes.position(id);
+        for (side, next) in nodes.neighbours(id).into_iter().enumerate() {
+            if next == NONE {
                 continue;
             }
-            visit.stamp = closed;
-            let cost = visit.cost;
-            pops += 1;
-            if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
-                return Err(Error::Interrupted);
+            let visit = &mut visits[next as usize];
+            // Stamps of earlier searches are lower.
+            let is_known = visit.stamp >= open;
+            // Most neighbours, the one that was come from among them: no way through here is cheaper, as weights are
+            // not negative, nor as cheap in the sense below.
+            if is_known && visit.cost <= cost {
+                continue;
             }
-            if goals.contains(&id) {
-                let candidate = (cost + straight(id), id);
-                best = Some(best.map_or(candidate, |best| if candidate < best { candidate } else { best }));
-            }
-            let record = &records[id as usize];
-            for (side, &next) in record.neighbours.iter().enumerate() {
-                if next == NONE {
-                    continue;
-                }
-                let visit = &mut visits[next as usize];
-                // Stamps of earlier searches are lower.
-                let is_known = visit.stamp >= open;
-                // Most neighbours, the one that was come from among them: no way through here is cheaper, as weights are
-                // not negative, nor as cheap in the sense below.
-                if is_known && visit.cost <= cost {
-                    continue;
-                }
-                let barycentre = records[next as usize].barycentre;
-                let new_cost = cost + record.barycentre.distance(barycentre);
-                // A closed record can still improve by rounding, as the bounds are consistent only in exact arithmetic;
-                // then it is opened again.
-                if !is_known || new_cost < visit.cost {
-                    *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
-                    queue.push(new_cost + rest(next, barycentre.distance(to.anchor)), next.into());
-                } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
-                    visit.via = visit.via.min(3 * id + side as u32);
+            let next_position = nodes.position(next);
+            let new_cost = cost + position.distance(next_position);
+            // A closed node can still improve by rounding, as the bounds are consistent only in exact arithmetic;
+            // then it is opened again.
+            if !is_known || new_cost < visit.cost {
+                *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
+                queue.push(new_cost + rest(next, next_position.distance(to.anchor)), next.into());
+            } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
+                let place = |via: u32| (nodes.place(via / 3), via % 3);
+                let via = 3 * id + side as u32;
+                if place(via) < place(visit.via) {
+                    visit.via = via;
                 }
             }
         }
-        Ok(best.map(|(cost, goal)| {
-            let (first, word) = self.trace(visits, goal);
-            FoundStrip { first, word, cost, pops }
-        }))
     }
+    Ok(best.map(|(cost, goal)| {
+        let (first, word) = trace(nodes, visits, goal);
+        FoundStrip { first, word, cost, pops }
+    }))
+}
 
-    fn trace(&self, visits: &[Visit], goal: u32) -> (TriangleId, Vec<HalfedgeId>) {
-        let before = |id: u32| Some(visits[id as usize].via).filter(|&via| via != NONE).map(|via| via / 3);
-        let letters = std::iter::successors(before(goal), |&id| before(id)).count();
-        let mut word = Vec::with_capacity(letters);
-        let mut id = goal;
-        loop {
-            let via = visits[id as usize].via;
-            if via == NONE {
-                word.reverse();
-                return (TriangleId(self.records[id as usize].triangle), word);
-            }
-            id = via / 3;
-            word.push(TriangleId(self.records[id as usize].triangle).halfedge(via % 3));
+/// The way to `goal`: its first triangle and its letters.
+fn trace(nodes: &impl Nodes, visits: &[Visit], goal: u32) -> (TriangleId, Vec<HalfedgeId>) {
+    let before = |id: u32| Some(visits[id as usize].via).filter(|&via| via != NONE).map(|via| via / 3);
+    let letters = std::iter::successors(before(goal), |&id| before(id)).count();
+    let mut word = Vec::with_capacity(letters);
+    let mut id = goal;
+    loop {
+        let via = visits[id as usize].via;
+        if via == NONE {
+            word.reverse();
+            return (nodes.triangle(id), word);
         }
+        id = via / 3;
+        word.push(nodes.triangle(id).halfedge(via % 3));
     }
 }

@@ -158,7 +158,9 @@ pub fn find_taut_strip(
     let mut scratch = graph.take_scratch();
     let search = Search { mesh, graph, goal: mesh.position_of(end), scratch: &mut scratch };
     let found = search.find(begin, end, observer);
-    graph.put_back(scratch);
+    if mesh.keeps_work_space() {
+        graph.put_back(scratch);
+    }
     Ok(found?.map(|found| if is_backward { found.reversed(mesh) } else { found }))
 }
 

@@ -10,6 +10,7 @@ use glam::DVec3;
 use smooth_polylines_core::ids::TriangleId;
 use smooth_polylines_core::search::SearchEnd;
 use smooth_polylines_core::strip::triangles_of;
+use smooth_polylines_core::stroke::{StrokePoints, stroke};
 use smooth_polylines_core::{Error, Filter, NoObserver, Observer, Options, Pick, Polyline, Report, Step, SurfaceMesh};
 use support::random::Random;
 use support::shapes::{self, Shape};
@@ -78,18 +79,30 @@ fn end(mesh: &SurfaceMesh, triangle: usize) -> SearchEnd {
 
 /// Every cost from a few triangles to many, against Dijkstra's.
 fn compare(name: &str, shape: &Shape, sources: usize, goals: usize) {
-    let (mesh, dual) = (shape.mesh(), Dual::new(shape));
+    for mesh in [shape.mesh(), sparing(shape)] {
+        compare_on(&mesh, name, shape, sources, goals);
+    }
+}
+
+/// The mesh as it is kept when it is very large: without records for step B.
+fn sparing(shape: &Shape) -> SurfaceMesh {
+    let Shape { positions, triangles } = shape.clone();
+    SurfaceMesh::with_memory(positions, triangles, None, true).expect("a sound mesh")
+}
+
+fn compare_on(mesh: &SurfaceMesh, name: &str, shape: &Shape, sources: usize, goals: usize) {
+    let dual = Dual::new(shape);
     let mut random = Random::new(77);
     for _ in 0..sources {
         let from = random.below(shape.triangles.len());
         let costs = dual.costs(from);
         for _ in 0..goals {
             let to = random.below(shape.triangles.len());
-            let found = mesh.dual_graph().find_strip(&end(&mesh, from), &end(&mesh, to), &mut NoObserver);
+            let found = mesh.dual_graph().find_strip(&end(mesh, from), &end(mesh, to), &mut NoObserver);
             match found.expect("nobody interrupts") {
                 None => assert!(costs[to].is_infinite(), "{name}: {from} to {to} is connected"),
                 Some(found) => {
-                    let strip = triangles_of(&mesh, found.first, &found.word);
+                    let strip = triangles_of(mesh, found.first, &found.word);
                     assert_eq!((strip[0].index(), strip[strip.len() - 1].index()), (from, to));
                     // Both are sums of the same positive numbers up to their order.
                     let slack = 1e-12 * costs[to];
@@ -174,6 +187,32 @@ fn compare_landmarks(name: &str, shape: &Shape, pairs: usize) -> [u64; 2] {
         }
     }
     pops
+}
+
+#[test]
+fn a_mesh_that_spares_memory_gives_the_same_lines() {
+    let mut random = Random::new(8);
+    let shape = shapes::hills(30, 4);
+    let (mesh, spare) = (shape.mesh(), sparing(&shape));
+    let filters = [Filter::None, Filter::Linear, Filter::Cubic, Filter::Geodesic, Filter::Fair];
+    for round in 0..10 {
+        let picks = faces(&[0; 4].map(|_| random.below(shape.triangles.len())));
+        for filter in filters {
+            let options = Options { filter, ..Options::default() };
+            let options = if round % 2 == 0 { options } else { closed(options) };
+            let [one, other] = [&mesh, &spare].map(|mesh| try_line(mesh, &picks, &options));
+            assert!(one == other, "{filter:?} {picks:?}");
+        }
+    }
+    // With landmarks too, and as a stroke through the air: the boxes stand in the same order.
+    spare.dual_graph().choose_landmarks(TriangleId(0), &mut NoObserver).expect("nobody interrupts");
+    let picks = faces(&[3, shape.triangles.len() - 5]);
+    assert_eq!(strip_line(&mesh, &picks).0, strip_line(&spare, &picks).0);
+    let points = (0..60).map(|i| DVec3::new(f64::from(i) / 60.0, 0.4, 0.7)).collect();
+    let points = StrokePoints::Space(points);
+    let options = Options { filter: Filter::Fair, ..Options::default() };
+    let [one, other] = [&mesh, &spare].map(|mesh| stroke(mesh, &points, &options, &mut NoObserver));
+    assert!(one.is_ok() && one == other);
 }
 
 #[test]
