@@ -20,6 +20,9 @@ use crate::triangle_tree::{BRANCHES, Bounds, LEAF, POINT_ROUNDING, TriangleTree}
 /// Points that are looked up between two calls of the observer: about a millisecond.
 pub(crate) const POINTS_PER_OBSERVATION: usize = 512;
 
+/// More than the rounding of a product of three squared lengths.
+const ABOVE: f64 = 1.0 + 64.0 * f64::EPSILON;
+
 /// A point of the surface and how far it is from the point that was asked for.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ClosestPoint {
@@ -57,9 +60,12 @@ impl TriangleTree {
             if level == 0 {
                 for i in place * LEAF..((place + 1) * LEAF).min(mesh.triangles().len()) {
                     let triangle = mesh.dual_graph().triangle_at(i);
-                    let slack = DVec3::splat(rounding);
-                    let bounds = Bounds::of_triangle(mesh, triangle).grown(slack);
-                    if best.is_some_and(|b| bounds.square_to(p) > b.square) {
+                    let is_out = |b: Candidate| {
+                        let corners = mesh.corners(triangle).map(|v| mesh.position(v));
+                        let bounds = Bounds::of_corners(corners).grown(DVec3::splat(rounding));
+                        bounds.square_to(p) > b.square || is_further(corners, p, b.square, rounding)
+                    };
+                    if best.is_some_and(is_out) {
                         continue;
                     }
                     let new = nearest_in_triangle(mesh, triangle, p, rounding);
@@ -136,6 +142,19 @@ pub(crate) fn check_point(row: usize, point: DVec3, argument: &'static str) -> R
             point.to_array()
         ),
     ))
+}
+
+/// Whether all of a triangle is further from `p` than the square root of `square`, by a plane between them: it is upright on
+/// the way from `p` to the triangle's middle, and no corner lies on its near side. Where `p` is many triangles away nearly all
+/// that are further are found so, at a tenth of the cost of their nearest points; false tells nothing.
+fn is_further(corners: [DVec3; 3], p: DVec3, square: f64, rounding: f64) -> bool {
+    let [a, b, c] = corners.map(|corner| p - corner);
+    let way = a + b + c;
+    let height = a.dot(way).min(b.dot(way)).min(c.dot(way));
+    let reach = square.sqrt() + 4.0 * rounding;
+    let least = reach * reach * way.length_squared() * ABOVE;
+    // Also false where squares are too small to have all their digits.
+    height > 0.0 && least > f64::MIN_POSITIVE / f64::EPSILON && height * height > least
 }
 
 /// The point of one triangle that is nearest to `p`. One that is at most `rounding` nearer than the nearest of an edge,
@@ -228,6 +247,30 @@ mod tests {
         assert_eq!(vertex.point, SurfacePoint { triangle: TriangleId(1), barycentric: [0.0, 0.0, 1.0] });
         // The diagonal belongs to both: the lower id.
         assert_eq!(at(1.0, 1.0, 1.0).point, SurfacePoint { triangle: TriangleId(0), barycentric: [0.5, 0.0, 0.5] });
+    }
+
+    #[test]
+    fn what_is_left_out_is_further_and_far_away_nearly_all_of_it_is_left_out() {
+        let mut seed = 1u64;
+        let mut number = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let (mut left_out, mut further) = (0, 0);
+        for i in 0..20_000 {
+            let mut point = || DVec3::new(number(), number(), number());
+            let corners = [point(), point(), point()];
+            let p = f64::from(i % 40) * point();
+            let mesh = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2]], None).expect("a triangle");
+            let square = nearest_in_triangle(&mesh, TriangleId(0), p, 0.0).square;
+            assert!(!is_further(corners, p, square, 0.0), "{p} is no further than it is");
+            assert!(!is_further(corners, p, 1.01 * square, 0.0));
+            if i % 40 > 10 {
+                further += 1;
+                left_out += u32::from(is_further(corners, p, 0.9 * square, 0.0));
+            }
+        }
+        assert!(10 * left_out > 9 * further, "{left_out} of {further}");
     }
 
     #[test]

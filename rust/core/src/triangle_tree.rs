@@ -42,7 +42,11 @@ impl Bounds {
 
     #[inline]
     pub fn of_triangle(mesh: &SurfaceMesh, triangle: TriangleId) -> Self {
-        let [a, b, c] = mesh.corners(triangle).map(|v| mesh.position(v));
+        Self::of_corners(mesh.corners(triangle).map(|v| mesh.position(v)))
+    }
+
+    #[inline]
+    pub fn of_corners([a, b, c]: [DVec3; 3]) -> Self {
         Self { low: a.min(b).min(c), high: a.max(b).max(c) }
     }
 

@@ -141,34 +141,51 @@ fn eliminate<E>(
     count: usize,
     tick: &mut impl FnMut() -> Result<(), E>,
 ) -> Result<bool, E> {
+    // Compiled once more for each of the sizes that are solved often: loops of known length, a third of the time.
+    match (k, count) {
+        (1, 1) => eliminate_rows(band, columns, 1, 1, tick),
+        (5, 1) => eliminate_rows(band, columns, 5, 1, tick),
+        (5, 6) => eliminate_rows(band, columns, 5, 6, tick),
+        _ => eliminate_rows(band, columns, k, count, tick),
+    }
+}
+
+#[inline(always)]
+fn eliminate_rows<E>(
+    band: &mut [f64],
+    columns: &mut [f64],
+    k: usize,
+    count: usize,
+    tick: &mut impl FnMut() -> Result<(), E>,
+) -> Result<bool, E> {
     let width = 2 * k + 1;
     let n = band.len() / width;
     for i in 0..n {
         tick()?;
-        let pivot = band[i * width + k];
+        let (done, below) = band.split_at_mut((i + 1) * width);
+        let (solved, open) = columns.split_at_mut((i + 1) * count);
+        let (row, values) = (&done[i * width + k..][..k + 1], &solved[i * count..][..count]);
+        let pivot = row[0];
         if pivot == 0.0 || !pivot.is_finite() {
             return Ok(false);
         }
-        for below in 1..=k.min(n - 1 - i) {
-            let factor = band[(i + below) * width + k - below] / pivot;
+        let rows = below.chunks_exact_mut(width).zip(open.chunks_exact_mut(count)).take(k);
+        for (start, (target, target_values)) in (0..k).rev().zip(rows) {
+            let factor = target[start] / pivot;
             if factor == 0.0 {
                 continue;
             }
-            for j in 0..=k {
-                band[(i + below) * width + k + j - below] -= factor * band[i * width + k + j];
-            }
-            for c in 0..count {
-                columns[(i + below) * count + c] -= factor * columns[i * count + c];
-            }
+            target[start..][..k + 1].iter_mut().zip(row).for_each(|(entry, v)| *entry -= factor * v);
+            target_values.iter_mut().zip(values).for_each(|(entry, v)| *entry -= factor * v);
         }
     }
     for i in (0..n).rev() {
         tick()?;
-        for c in 0..count {
-            let known: f64 = (1..=k.min(n - 1 - i))
-                .map(|ahead| band[i * width + k + ahead] * columns[(i + ahead) * count + c])
-                .sum();
-            columns[i * count + c] = (columns[i * count + c] - known) / band[i * width + k];
+        let (open, solved) = columns.split_at_mut((i + 1) * count);
+        let row = &band[i * width + k..][..k + 1];
+        for (c, value) in open[i * count..].iter_mut().enumerate() {
+            let known: f64 = row[1..].iter().zip(solved.chunks_exact(count)).map(|(entry, v)| entry * v[c]).sum();
+            *value = (*value - known) / row[0];
         }
     }
     Ok(true)
