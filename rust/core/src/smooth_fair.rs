@@ -63,7 +63,8 @@ const SETTLED_MOVE: f64 = 1e-7;
 /// or when the energy can fall by no more than this share of it; for other reasons see [`Pace`].
 const SETTLED_FALL: f64 = 1e-10;
 
-/// How long a curve is lowered: until the energy fell by less than a share of it so many times in a row.
+/// How long a curve is lowered: until the energy fell, and would have by the model, by less than a share of it so many
+/// times in a row.
 pub struct Pace {
     slow_fall: f64,
     slow_steps: u32,
@@ -271,11 +272,16 @@ impl<'a> Lowering<'a> {
             let next = curve.moved(self.mesh, &step, &mut self.work, self.report, &mut self.pauses)?;
             let fall = next.as_ref().map_or(f64::NEG_INFINITY, |next| curve.energy - next.energy);
             let is_settled = size <= SETTLED_MOVE || step.fall <= SETTLED_FALL * curve.energy;
+            // A step that was taken back counts as well, where it promised no more.
+            match fall.max(step.fall) < pace.slow_fall * curve.energy {
+                true => slow_steps += 1,
+                false if fall > 0.0 => slow_steps = 0,
+                false => {}
+            }
             refused_size = if fall > 0.0 { f64::INFINITY } else { size };
             refused_steps = if fall > 0.0 { 0 } else { refused_steps + 1 };
             match next {
                 Some(next) if fall > 0.0 => {
-                    slow_steps = if fall < pace.slow_fall * curve.energy { slow_steps + 1 } else { 0 };
                     std::mem::replace(curve, next).release(&mut self.pauses)?;
                     self.report.iterations += 1;
                     self.report.energies.push(curve.energy / curve.unit());
@@ -293,7 +299,7 @@ impl<'a> Lowering<'a> {
             } else if share.is_nan() || share < POOR_SHARE {
                 reach = reach.min(length) / 2.0;
             }
-            let is_slow = slow_steps == pace.slow_steps || refused_steps == pace.refused_steps;
+            let is_slow = slow_steps >= pace.slow_steps || refused_steps == pace.refused_steps;
             if is_settled || is_slow || reach < LEAST_REACH * piece {
                 return Ok(true);
             }
