@@ -10,7 +10,7 @@ use std::fmt::Write;
 use glam::DVec3;
 use smooth_polylines_core::{Options, Pick, Report, SurfaceMesh};
 use support::shapes::{self, Shape};
-use support::{all_pinned, closed, cubic, faces, files, geodesic, heap, line};
+use support::{all_pinned, closed, cubic, faces, fair, files, geodesic, heap, line};
 
 /// Rounds, moves of the heap, vertices passed, triangles taken from the search queue, funnels run, steps of Newton.
 type Counts = [u64; 6];
@@ -30,6 +30,10 @@ fn options_of(way: &str) -> Options {
         "cubic" => cubic(),
         "geodesic" => geodesic(),
         "geodesic, pinned" => all_pinned(geodesic()),
+        "fair" => fair(),
+        "fair, pinned" => all_pinned(fair()),
+        "fair, closed" => closed(fair()),
+        "fair, closed and pinned" => closed(all_pinned(fair())),
         "cubic, closed" => closed(cubic()),
         "geodesic, closed" => closed(geodesic()),
         "geodesic, closed and pinned" => closed(all_pinned(geodesic())),
@@ -80,7 +84,12 @@ fn a_line_across_a_terrain() {
         "terrain, three picks",
         &mesh,
         &picks,
-        &[("geodesic", [168, 0, 1318, 3156, 176, 0]), ("geodesic, pinned", [13, 0, 73, 720, 26, 0])],
+        &[
+            ("geodesic", [168, 0, 1318, 3156, 176, 0]),
+            ("geodesic, pinned", [13, 0, 73, 720, 26, 0]),
+            ("fair", [9, 0, 143, 720, 117, 22]),
+            ("fair, pinned", [13, 0, 325, 720, 295, 28]),
+        ],
     );
 }
 
@@ -183,7 +192,12 @@ fn lines_on_a_scan() {
         "igea.ply, a ring",
         &mesh,
         &ring,
-        &[("cubic, closed", [1, 7174, 0, 24002, 1, 20]), ("geodesic, closed and pinned", [23, 0, 343, 6718, 192, 0])],
+        &[
+            ("cubic, closed", [1, 7174, 0, 24002, 1, 20]),
+            ("geodesic, closed and pinned", [23, 0, 343, 6718, 192, 0]),
+            ("fair, closed", [9, 0, 467, 6718, 400, 24]),
+            ("fair, closed and pinned", [14, 0, 1390, 6718, 1168, 26]),
+        ],
     );
 }
 
