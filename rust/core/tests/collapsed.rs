@@ -87,7 +87,8 @@ fn collapse(shape: &mut Shape, random: &mut Random, count: usize) {
 #[test]
 fn lines_on_meshes_collapsed_at_random_keep_every_promise() {
     let mut settled = 0;
-    for seed in 0..400 {
+    // The last three are those of 30,000 on which the vertices that hold a ring took turns for ever.
+    for seed in (0..400).chain([4402, 5098, 14144]) {
         let mut random = Random::new(300 + seed);
         let mut shape = if seed % 2 == 0 { shapes::grid(4 + seed as usize % 6) } else { shapes::icosphere(2) };
         let count = random.below(shape.triangles.len() / 2);

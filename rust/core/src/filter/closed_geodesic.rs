@@ -5,6 +5,7 @@
 //! connected once it is unfolded). If the best such line touches a vertex, the rest is an open line from that vertex to
 //! itself; if not, it is straight all the way and finished. An anchor vertex that need not be on the line is let go.
 
+use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use glam::DVec2;
@@ -38,8 +39,15 @@ const COLLAPSED_LENGTH: f64 = 1e-12;
 enum Loop {
     /// Nothing: it is straight.
     Straight(Leg),
-    /// A vertex; the run's letters come first in the word.
-    Anchored { word: Vec<HalfedgeId>, vertex: VertexId, run_length: usize },
+    /// A vertex.
+    Anchored(Anchored),
+}
+
+/// A closed strip and a vertex that holds it; the letters of the run round that vertex come first in the word.
+struct Anchored {
+    word: Vec<HalfedgeId>,
+    vertex: VertexId,
+    run_length: usize,
 }
 
 /// How an anchored loop goes on.
@@ -63,15 +71,18 @@ pub fn straighten_loop(
     mut on_round: impl FnMut(&Leg, &mut Report) -> bool,
 ) -> Result<(Leg, bool)> {
     let mut state = relax_loop(mesh, word, report, &mut Pauses::new(observer, Step::Relax))?;
+    let mut seen: HashSet<(VertexId, Vec<HalfedgeId>)> = HashSet::new();
     loop {
         match state {
             Loop::Straight(leg) => {
                 on_round(&leg, report);
                 return Ok((leg, false));
             }
-            Loop::Anchored { word, vertex, run_length } => {
+            Loop::Anchored(anchored) => {
                 let mut pauses = Pauses::new(observer, Step::VertexPass);
-                match relax_anchored(mesh, word, vertex, run_length, work, report, &mut pauses, &mut on_round)? {
+                // Where edges have no length, no side of an anchor need be the better one, and anchors take turns for ever.
+                let is_last = !seen.insert((anchored.vertex, anchored.word.clone()));
+                match relax_anchored(mesh, anchored, is_last, work, report, &mut pauses, &mut on_round)? {
                     Next::Done(leg, is_capped) => return Ok((leg, is_capped)),
                     Next::Again(next) => state = next,
                 }
@@ -142,7 +153,7 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
         let is_low = s <= 2.0 * MARGIN;
         if is_low || s >= 1.0 - 2.0 * MARGIN {
             let vertex = if is_low { low } else { high };
-            return Ok(Loop::Anchored { word, vertex, run_length: 1 });
+            return Ok(Loop::Anchored(Anchored { word, vertex, run_length: 1 }));
         }
         let mut leg = Leg { first: first.triangle(), word: word.clone(), parameters: vec![s] };
         cross_straight(mesh, &unfolding, rest, &mut leg.parameters);
@@ -151,21 +162,21 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
     let end = unfolding.ends[corners[0] as usize];
     let run_length = (end.last - end.first + 1) as usize;
     word.rotate_left(end.first as usize + 1);
-    Ok(Loop::Anchored { word, vertex: end.vertex, run_length })
+    Ok(Loop::Anchored(Anchored { word, vertex: end.vertex, run_length }))
 }
 
-/// The open line from the anchor round to itself, and then whether the anchor stays.
-#[expect(clippy::too_many_arguments, reason = "one step of a loop, with all that it works on")]
+/// The open line from the anchor round to itself, and then whether the anchor stays. `is_last`: it stays in any case, as it has
+/// been here before.
 fn relax_anchored(
     mesh: &SurfaceMesh,
-    word: Vec<HalfedgeId>,
-    vertex: VertexId,
-    run_length: usize,
+    anchored: Anchored,
+    is_last: bool,
     work: &mut Workspace,
     report: &mut Report,
     pauses: &mut Pauses,
     on_round: &mut impl FnMut(&Leg, &mut Report) -> bool,
 ) -> Result<Next> {
+    let Anchored { word, vertex, run_length } = anchored;
     pauses.pause()?;
     let collapsed = Err(Error::Collapsed { iterations: report.iterations });
     let (run, rest) = word.split_at(run_length);
@@ -200,8 +211,8 @@ fn relax_anchored(
         let iterations = report.iterations;
         if closed.word.is_empty() { Err(Error::Collapsed { iterations }) } else { Ok(Next::Done(closed, is_capped)) }
     };
-    if !may_go_on || solver.is_capped {
-        return done(solver.is_capped);
+    if !may_go_on || solver.is_capped || is_last {
+        return done(solver.is_capped || is_last);
     }
     let new_turn = match (turn.first(), turn.last()) {
         (Some(&first), Some(&last)) => {
@@ -233,7 +244,7 @@ fn relax_anchored(
         let found = word.windows(letters.len()).position(|window| window == letters.as_slice());
         if let Some(start) = found.filter(|_| word.len() > letters.len()) {
             word.rotate_left(start);
-            return Ok(Next::Again(Loop::Anchored { word, vertex: *vertex, run_length: letters.len() }));
+            return Ok(Next::Again(Loop::Anchored(Anchored { word, vertex: *vertex, run_length: letters.len() })));
         }
     }
     Ok(Next::Again(relax_loop(mesh, word, report, pauses)?))
