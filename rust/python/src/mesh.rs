@@ -35,7 +35,8 @@ const LONG_TRIANGLES: usize = 200_000;
 ///     else triangle ids.
 ///
 /// Edges of three or more triangles are walls that a line does not cross; `report` counts them. Immutable, so threads
-/// may share one. Cost: linear in V + F; the interpreter is released meanwhile.
+/// may share one. Cost: linear in V + F; 84 bytes a triangle are kept, 40 on meshes of more than 4.2 million. The interpreter is
+/// released meanwhile.
 ///
 /// Raises
 /// ------
