@@ -1,4 +1,4 @@
-//! The `fair` filter: the smoothest curve near the input, as an energy of samples, and the step that lowers it.
+//! The `fair` filter: the smoothest curve near the input, as an energy of samples.
 //!
 //! ```text
 //!   energy = sum |a_i|^2 / h_i  +  sum h_i |x_i - q_i|^2 / detail_size^4
@@ -10,7 +10,7 @@
 //! The way to a neighbour is the span's first direction times its length; all is measured in the surface, so the energy
 //! is that of a spline with the input's arc length for its parameter: integral of the squared second derivative along
 //! the surface, plus closeness. In the plane it is quadratic and its least the natural cubic spline (for samples ever
-//! closer); on a surface it is lowered by Gauss-Newton steps, in each of which a sample moves straight ahead on the
+//! closer); on a surface it is lowered by Gauss-Newton steps (`fair_step`), in each of which a sample moves straight ahead on the
 //! surface (`trace`), over as many triangles and vertices as it takes.
 //!
 //! Lengths are in the samples' own unit, so that no power of them is too large or too small.
@@ -19,15 +19,13 @@
 
 use std::rc::Rc;
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
-use crate::cone::Cones;
 use crate::error::Result;
-use crate::ids::{HalfedgeId, TriangleId};
+use crate::filter::fair_step::FairStep;
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
-use crate::relax::banded::Banded;
 use crate::report::Report;
 use crate::route::Route;
 use crate::samples::Samples;
@@ -36,9 +34,6 @@ use crate::spot::spot_of;
 use crate::surface_point::SurfacePoint;
 use crate::trace::trace;
 use crate::turn::{Heading, Turn, turn_at};
-
-/// Spans a side over which the surface's curvature is averaged for a step's model.
-const CURVATURE_SPANS: isize = 8;
 
 /// A detail size below this, in the samples' unit, is taken for it: the curve is its input either way.
 const LEAST_DETAIL: f64 = 1e-3;
@@ -53,14 +48,14 @@ const MOST_CROSSINGS_PER_TRIANGLE: usize = 8;
 #[derive(Clone, Debug)]
 pub struct FairCurve {
     /// What does not change: pins, anchors and steps.
-    input: Rc<Samples>,
+    pub(super) input: Rc<Samples>,
     /// 1 / detail size to the fourth; 0 for no closeness.
-    closeness: f64,
+    pub(super) closeness: f64,
     /// Where the samples are now.
     pub points: Vec<SurfacePoint>,
     /// Spans between neighbouring samples.
     pub spans: Vec<Span>,
-    frames: Vec<Frame>,
+    pub(super) frames: Vec<Frame>,
     /// See the module.
     pub energy: f64,
 }
@@ -68,23 +63,14 @@ pub struct FairCurve {
 /// Directions at a sample, in a plane whose x axis is the way in (at the start of an open curve the way out) and whose y
 /// axis is to the left of it.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+pub(super) struct Frame {
     /// The axes in space; at pins they play no part.
-    axes: [DVec3; 2],
+    pub axes: [DVec3; 2],
     /// Directions of the chords of the spans before and after.
-    chord_in: DVec2,
-    chord_out: DVec2,
+    pub chord_in: DVec2,
+    pub chord_out: DVec2,
     /// Whether left is right at the next sample.
-    flips: bool,
-}
-
-/// Where the samples of a curve should go.
-#[derive(Clone, Debug)]
-pub struct FairStep {
-    /// For each sample, in its own frame.
-    ways: Vec<DVec2>,
-    /// How far the model says that the energy falls; above 0.
-    pub fall: f64,
+    pub flips: bool,
 }
 
 impl FairCurve {
@@ -121,29 +107,29 @@ impl FairCurve {
         self.input.steps.iter().sum()
     }
 
-    fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.points.len()
     }
 
     /// The span before a sample and the one after it.
-    fn neighbours(&self, i: usize) -> (Option<usize>, Option<usize>) {
+    pub(super) fn neighbours(&self, i: usize) -> (Option<usize>, Option<usize>) {
         let before = if i > 0 { Some(i - 1) } else { self.input.closed.then(|| self.count() - 1) };
         (before, (i < self.spans.len()).then_some(i))
     }
 
     /// Length of the input that a sample stands for.
-    fn weight(&self, i: usize) -> f64 {
+    pub(super) fn weight(&self, i: usize) -> f64 {
         let (before, after) = self.neighbours(i);
         0.5 * [before, after].into_iter().flatten().map(|span| self.input.steps[span]).sum::<f64>()
     }
 
     /// How far a sample is from where it was on the input.
-    fn offset(&self, mesh: &SurfaceMesh, i: usize) -> DVec3 {
+    pub(super) fn offset(&self, mesh: &SurfaceMesh, i: usize) -> DVec3 {
         (mesh.position_of(&self.points[i]) - self.input.anchors[i]) / self.input.unit
     }
 
     /// How fast the curve runs along a span: its length over that of the input.
-    fn speed(&self, span: usize) -> f64 {
+    pub(super) fn speed(&self, span: usize) -> f64 {
         self.spans[span].length / self.input.unit / self.input.steps[span]
     }
 
@@ -161,29 +147,6 @@ impl FairCurve {
             self.energy += bending + self.closeness * self.weight(i) * off.length_squared();
         }
         Ok(self)
-    }
-
-    /// The surface's Gauss curvature at each sample: angle defects over areas, of the vertices along the curve.
-    fn curvatures(&self, mesh: &SurfaceMesh, cones: &mut Cones, pauses: &mut Pauses) -> Result<Vec<f64>> {
-        let mut of_span = |span: &Span| {
-            pauses.tick()?;
-            let entered = span.leg.word.iter().filter_map(|&h| mesh.twin(h)).map(HalfedgeId::triangle);
-            let spokes = std::iter::once(span.leg.first).chain(entered).flat_map(TriangleId::halfedges);
-            let cones = spokes.map(|h| cones.get(mesh, h));
-            Ok(cones.fold(DVec2::ZERO, |sum, cone| sum + DVec2::new(cone.defect, cone.area)))
-        };
-        let sums: Vec<DVec2> = self.spans.iter().map(&mut of_span).collect::<Result<_>>()?;
-        let count = sums.len() as isize;
-        let at = |k: isize| {
-            let k = if self.input.closed { k.rem_euclid(count) } else { k };
-            (0..count).contains(&k).then(|| sums[k as usize])
-        };
-        let mean = |i: isize| {
-            pauses.tick()?;
-            let sum: DVec2 = (i - CURVATURE_SPANS..i + CURVATURE_SPANS).filter_map(at).sum();
-            Ok(if sum.y > 0.0 { sum.x / sum.y * self.input.unit.powi(2) } else { 0.0 })
-        };
-        (0..self.count() as isize).map(mean).collect()
     }
 
     fn frame(&self, mesh: &SurfaceMesh, i: usize) -> Frame {
@@ -212,92 +175,10 @@ impl FairCurve {
     }
 
     /// The second difference at a sample; none at the ends of an open curve.
-    fn acceleration(&self, i: usize) -> Option<DVec2> {
+    pub(super) fn acceleration(&self, i: usize) -> Option<DVec2> {
         let (before, after) = self.neighbours(i);
         let (before, after) = (before?, after?);
         Some(self.speed(after) * self.frames[i].chord_out - self.speed(before) * self.frames[i].chord_in)
-    }
-
-    /// Takes a vector at the sample after span `span` to the sample before it.
-    fn transport(&self, span: usize) -> DMat2 {
-        let (here, there) = (&self.frames[span], &self.frames[(span + 1) % self.count()]);
-        let mirror = if here.flips { DMat2::from_diagonal(DVec2::new(1.0, -1.0)) } else { DMat2::IDENTITY };
-        let rotation = |v: DVec2| DMat2::from_cols(v, v.perp());
-        rotation(here.chord_out) * mirror * rotation(there.chord_in).transpose()
-    }
-
-    /// The Gauss-Newton step that leaves alone what is longer than `reach`, a length: it is
-    /// held back by closeness to where the curve is, as if that were its input and `reach` its detail size. `None` when
-    /// there is no such step.
-    ///
-    /// # Errors
-    /// As [`FairCurve::new`].
-    pub fn step(
-        &self,
-        mesh: &SurfaceMesh,
-        reach: f64,
-        cones: &mut Cones,
-        pauses: &mut Pauses,
-    ) -> Result<Option<FairStep>> {
-        let count = self.count();
-        let hold = reach.powi(-4);
-        let curvatures = self.curvatures(mesh, cones, pauses)?;
-        let mut matrix = Banded::zero(2 * count, 5);
-        let mut right = vec![0.0; 2 * count];
-        for (i, &curvature) in curvatures.iter().enumerate() {
-            pauses.tick()?;
-            self.add_bending(i, curvature, &mut matrix, &mut right);
-            if self.input.is_pinned[i] {
-                (0..2).for_each(|c| matrix.add(2 * i + c, 0, 1.0));
-                continue;
-            }
-            let weight = self.weight(i);
-            let off = self.offset(mesh, i);
-            for c in 0..2 {
-                matrix.add(2 * i + c, 0, (self.closeness + hold) * weight);
-                right[2 * i + c] -= self.closeness * weight * off.dot(self.frames[i].axes[c]);
-            }
-        }
-        let Some(solution) = matrix.into_solution(&right, self.input.closed, || pauses.tick())? else {
-            return Ok(None);
-        };
-        let ways: Vec<DVec2> = solution.chunks(2).map(DVec2::from_slice).collect();
-        // The model is E - 2 right v + v A v with (A + hold) v = right.
-        let held = |(i, way): (usize, &DVec2)| hold * self.weight(i) * way.length_squared();
-        let fall = right.iter().zip(&solution).map(|(r, v)| r * v).sum::<f64>()
-            + ways.iter().enumerate().map(held).sum::<f64>();
-        Ok(Some(FairStep { ways, fall }))
-    }
-
-    /// Adds one second difference's part of the normal equations.
-    fn add_bending(&self, i: usize, curvature: f64, matrix: &mut Banded, right: &mut [f64]) {
-        let (count, weight) = (self.count(), self.weight(i));
-        let (Some(acceleration), (Some(before), Some(after))) = (self.acceleration(i), self.neighbours(i)) else {
-            return;
-        };
-        let (step_before, step_after) = (self.input.steps[before], self.input.steps[after]);
-        let stretch = -1.0 / step_before - 1.0 / step_after;
-        let speed = 0.5 * (self.speed(before) + self.speed(after));
-        let own = DMat2::from_diagonal(DVec2::new(stretch, stretch + weight * speed * speed * curvature));
-        let stencil = [
-            (-1, (i + count - 1) % count, self.transport(before).transpose() * (1.0 / step_before)),
-            (0, i, own),
-            (1, (i + 1) % count, self.transport(after) * (1.0 / step_after)),
-        ];
-        for &(place, j, block) in stencil.iter().filter(|(_, j, _)| !self.input.is_pinned[*j]) {
-            let rhs = block.transpose() * acceleration / weight;
-            right[2 * j] -= rhs.x;
-            right[2 * j + 1] -= rhs.y;
-            for &(other, _, other_block) in stencil.iter().filter(|(_, k, _)| !self.input.is_pinned[*k]) {
-                let product = block.transpose() * other_block * (1.0 / weight);
-                for row in 0..2 {
-                    for column in 0..2 {
-                        let offset = 2 * (other - place) + column as isize - row as isize;
-                        matrix.add(2 * j + row, offset, product.col(column)[row]);
-                    }
-                }
-            }
-        }
     }
 
     /// The curve after a step: samples go straight ahead on the surface, and the spans follow. `None` when it would cross
@@ -390,10 +271,5 @@ impl FairCurve {
             drop(leg);
         }
         Ok(())
-    }
-
-    /// The longest way in a step, relative to the distance of the samples there.
-    pub fn relative_size(&self, step: &FairStep) -> f64 {
-        step.ways.iter().enumerate().map(|(i, way)| way.length() / self.weight(i)).fold(0.0, f64::max)
     }
 }

@@ -7,6 +7,7 @@ pub mod closed_geodesic;
 pub mod cubic;
 pub mod cubic_curve;
 pub mod fair;
+mod fair_step;
 pub mod geodesic;
 pub mod linear;
 pub mod workspace;
