@@ -188,8 +188,9 @@ fn smooth_stretch(
     }
     let mut lowering = Lowering::new(task, report, observer);
     let (curve, is_settled) = lowering.refine(&samples, detail_size, &DRAFT)?;
+    let made = curve.to_route(mesh, &mut lowering.pauses)?;
     lowering.finish();
-    let made = curve.to_route(mesh).ok_or(Error::Collapsed { iterations: 0 })?;
+    let made = made.ok_or(Error::Collapsed { iterations: 0 })?;
     let made = made.legs.into_iter().skip(usize::from(is_clamped[0]));
     for (&i, leg) in legs.iter().zip(made) {
         route.legs[i] = leg;

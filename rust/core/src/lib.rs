@@ -28,6 +28,7 @@ pub mod ids;
 pub mod join;
 pub mod kept;
 pub mod landmarks;
+pub mod large;
 pub mod leg;
 pub mod leg_by_leg;
 pub mod loops;

@@ -32,6 +32,21 @@ impl<'a> Pauses<'a> {
         if self.left == 0 { self.pause() } else { Ok(()) }
     }
 
+    /// `count` units were done or are about to be, a few thousand at most.
+    ///
+    /// # Errors
+    /// As [`Pauses::tick`].
+    #[inline]
+    pub fn ticks(&mut self, count: usize) -> Result<()> {
+        match u32::try_from(count) {
+            Ok(count) if count < self.left => {
+                self.left -= count;
+                Ok(())
+            }
+            _ => self.pause(),
+        }
+    }
+
     /// Asks the observer now.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::ids::TriangleId;
+use crate::large::LargeVec;
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
@@ -29,17 +30,17 @@ pub struct Samples {
     /// Whether the last sample is joined to the first.
     pub closed: bool,
     /// Where they lie.
-    pub points: Vec<SurfacePoint>,
+    pub points: LargeVec<SurfacePoint>,
     /// Samples that do not move.
-    pub is_pinned: Vec<bool>,
+    pub is_pinned: LargeVec<bool>,
     /// Where they were on the input, in space.
-    pub anchors: Vec<DVec3>,
+    pub anchors: LargeVec<DVec3>,
     /// The unit of length that `steps` are in, in the units of the positions: the spacing that was asked for.
     pub unit: f64,
     /// Length of the input between neighbouring samples; above 0.
-    pub steps: Vec<f64>,
+    pub steps: LargeVec<f64>,
     /// Strips between neighbouring samples; parameters play no part.
-    pub legs: Vec<Leg>,
+    pub legs: LargeVec<Leg>,
 }
 
 /// Mean length of the edges that a route crosses; where it crosses none, its own length.
@@ -97,25 +98,31 @@ impl Samples {
             let length = leg.length(mesh, start, end);
             let pieces = ((length / spacing).ceil() as usize).max(FEWEST_PIECES);
             let step = (length / spacing / pieces as f64).max(SHORTEST_PIECE);
-            let shares: Vec<f64> = (1..pieces).map(|k| k as f64 / pieces as f64).collect();
-            let cuts = cut_leg(mesh, leg, start, end, &shares, piece, pauses)?;
-            for &point in &cuts.points {
+            let mut cuts =
+                cut_leg(mesh, leg, [start, end], pieces - 1, |k| (k + 1) as f64 / pieces as f64, piece, pauses)?;
+            samples.reserve(pieces);
+            for &point in cuts.points.iter() {
                 pauses.tick()?;
                 samples.push(mesh, point, false);
             }
-            samples.steps.extend(std::iter::repeat_n(step, pieces));
-            // The one leg of a stroke may have millions.
-            if samples.legs.is_empty() {
-                samples.legs = cuts.legs;
-            } else {
-                samples.legs.extend(cuts.legs);
+            for leg in cuts.legs.iter_mut() {
+                pauses.tick()?;
+                samples.steps.push(step);
+                samples.legs.push(leg.take());
             }
-            pauses.tick()?;
         }
         if let (false, Some(last)) = (input.closed, input.pins.last()) {
             samples.push(mesh, *last, true);
         }
         Ok(samples)
+    }
+
+    fn reserve(&mut self, more: usize) {
+        self.points.reserve(more);
+        self.is_pinned.reserve(more);
+        self.anchors.reserve(more);
+        self.steps.reserve(more);
+        self.legs.reserve(more);
     }
 
     fn push(&mut self, mesh: &SurfaceMesh, point: SurfacePoint, is_pinned: bool) {
@@ -137,27 +144,31 @@ impl Samples {
     }
 
     /// The samples that a thinner curve keeps: pins, and every `stride`-th after each.
-    pub fn kept_at(&self, stride: usize) -> Vec<usize> {
+    ///
+    /// # Errors
+    /// As [`Samples::of_route`].
+    pub fn kept_at(&self, stride: usize, pauses: &mut Pauses) -> Result<LargeVec<usize>> {
         let count = self.points.len();
         let first_pin = self.is_pinned.iter().position(|&p| p).unwrap_or(0);
-        let mut kept = Vec::new();
-        let mut since_pin = 0;
-        for i in (first_pin..count).chain(0..first_pin) {
-            since_pin = if self.is_pinned[i] { 0 } else { since_pin };
+        // Those before the first pin are counted from the last one, on a ring.
+        let last_pin = self.is_pinned.iter().rposition(|&p| p).unwrap_or(0);
+        let mut since_pin = count - last_pin;
+        let mut kept = LargeVec::with_capacity(count / stride + 1);
+        for (i, &is_pinned) in self.is_pinned.iter().enumerate() {
+            pauses.tick()?;
+            since_pin = if is_pinned || i == first_pin { 0 } else { since_pin };
             if since_pin % stride == 0 {
                 kept.push(i);
             }
             since_pin += 1;
         }
-        kept.sort_unstable();
-        kept
+        Ok(kept)
     }
 
-    /// For each piece of the curve of the samples `kept`, the pieces of this one that it is made of, as places in
-    /// `steps` that may lie beyond the seam.
-    fn pieces_of<'a>(&'a self, kept: &'a [usize]) -> impl Iterator<Item = std::ops::Range<usize>> + 'a {
-        let count = if self.closed { kept.len() } else { kept.len() - 1 };
-        (0..count).map(|k| kept[k]..if k + 1 < kept.len() { kept[k + 1] } else { kept[0] + self.points.len() })
+    /// The pieces of this curve that piece `k` of the curve of the samples `kept` is made of, as places in `steps` that may
+    /// lie beyond the seam.
+    fn piece_of(&self, kept: &[usize], k: usize) -> std::ops::Range<usize> {
+        kept[k]..kept.get(k + 1).copied().unwrap_or(kept[0] + self.points.len())
     }
 
     /// The curve of the samples `kept` alone.
@@ -165,28 +176,42 @@ impl Samples {
     /// # Errors
     /// As [`Samples::of_route`].
     pub fn thinned(&self, mesh: &SurfaceMesh, kept: &[usize], pauses: &mut Pauses) -> Result<Self> {
-        let mut thin = Self { closed: self.closed, unit: self.unit, ..Self::default() };
-        for &i in kept {
-            thin.points.push(self.points[i]);
-            thin.is_pinned.push(self.is_pinned[i]);
-            thin.anchors.push(self.anchors[i]);
-        }
+        let mut thin = self.spaced(kept, pauses)?;
         let count = self.steps.len();
-        for pieces in self.pieces_of(kept) {
-            let first = self.legs[pieces.start % count].first;
-            let mut leg = Leg { first, word: Vec::new(), parameters: Vec::new() };
-            for i in pieces.clone() {
+        for k in 0..thin.steps.len() {
+            let pieces = self.piece_of(kept, k);
+            let mut leg = Leg::empty(self.legs[pieces.start % count].first);
+            for i in pieces {
                 pauses.tick()?;
                 self.legs[i % count].word.iter().for_each(|&h| push_reduced(mesh, &mut leg.word, h));
             }
-            thin.steps.push(pieces.map(|i| self.steps[i % count]).sum());
             thin.legs.push(leg);
         }
         Ok(thin)
     }
 
-    /// These samples where a thinner curve of the samples `kept` has them, which has come to lie at `points`, joined by
-    /// `legs`.
+    /// The samples `kept` alone, without strips between them.
+    ///
+    /// # Errors
+    /// As [`Samples::of_route`].
+    pub fn spaced(&self, kept: &[usize], pauses: &mut Pauses) -> Result<Self> {
+        let mut thin = Self { closed: self.closed, unit: self.unit, ..Self::default() };
+        thin.reserve(kept.len());
+        let count = self.steps.len();
+        for (k, &i) in kept.iter().enumerate() {
+            pauses.tick()?;
+            thin.points.push(self.points[i]);
+            thin.is_pinned.push(self.is_pinned[i]);
+            thin.anchors.push(self.anchors[i]);
+            if self.closed || k + 1 < kept.len() {
+                thin.steps.push(self.piece_of(kept, k).map(|i| self.steps[i % count]).sum());
+            }
+        }
+        Ok(thin)
+    }
+
+    /// These samples, whose strips play no part, where a thinner curve of the samples `kept` has them, which has come to lie
+    /// at `points`, joined by `legs`.
     ///
     /// # Errors
     /// As [`Samples::of_route`].
@@ -199,41 +224,34 @@ impl Samples {
         pauses: &mut Pauses,
     ) -> Result<Self> {
         let count = self.steps.len();
-        // Freed one by one, as millions take their time.
-        for leg in std::mem::take(&mut self.legs) {
-            pauses.tick()?;
-            drop(leg);
-        }
-        let mut placed = vec![None; count];
-        let all_pieces: Vec<_> = self.pieces_of(kept).collect();
-        for (k, pieces) in all_pieces.into_iter().enumerate() {
+        self.legs.clear();
+        for (k, leg) in legs.iter().enumerate() {
+            let pieces = self.piece_of(kept, k);
             let (start, end) = (&points[k], &points[(k + 1) % points.len()]);
             let total: f64 = pieces.clone().map(|i| self.steps[i % count]).sum();
-            let mut done = 0.0;
-            let shares = pieces.clone().take(pieces.len() - 1).map(|i| {
-                done += self.steps[i % count];
+            let (mut done, steps) = (0.0, &self.steps);
+            let share = |j: usize| {
+                done += steps[(pieces.start + j) % count];
                 done / total
-            });
-            let shares: Vec<f64> = shares.collect();
-            let piece = Leg { first: legs[k].first, word: Vec::new(), parameters: Vec::new() };
-            let cuts = cut_leg(mesh, legs[k], start, end, &shares, piece, pauses)?;
+            };
+            let piece = Leg::empty(leg.first);
+            let mut cuts = cut_leg(mesh, leg, [start, end], pieces.len() - 1, share, piece, pauses)?;
             self.points[pieces.start % count] = *start;
-            for (i, &point) in pieces.clone().skip(1).zip(&cuts.points) {
+            for (i, &point) in pieces.clone().skip(1).zip(cuts.points.iter()) {
                 self.points[i % count] = point;
             }
-            for (i, leg) in pieces.zip(cuts.legs) {
-                placed[i % count] = Some(leg);
-            }
+            self.legs.extend(cuts.legs.iter_mut().map(Leg::take));
         }
-        self.legs = placed.into_iter().flatten().collect();
+        // On a ring the first of the kept samples need not be the first of these.
+        self.legs.rotate_right(kept.first().copied().unwrap_or(0));
         Ok(self)
     }
 }
 
 /// Points that cut a leg, and the strips between them.
 struct Cuts {
-    points: Vec<SurfacePoint>,
-    legs: Vec<Leg>,
+    points: LargeVec<SurfacePoint>,
+    legs: LargeVec<Leg>,
 }
 
 /// The piece of a leg from its start (`at_start`) to `share` of its length, or from there to its end: where it was cut, and
@@ -249,41 +267,45 @@ pub fn end_piece(
     share: f64,
     pauses: &mut Pauses,
 ) -> Result<Option<(SurfacePoint, Leg)>> {
-    let cuts = cut_leg(mesh, leg, start, end, &[share], Leg::empty(leg.first), pauses)?;
-    let piece = if at_start { cuts.legs.into_iter().next() } else { cuts.legs.into_iter().nth(1) };
+    let mut cuts = cut_leg(mesh, leg, [start, end], 1, |_| share, Leg::empty(leg.first), pauses)?;
+    let piece = cuts.legs.get_mut(usize::from(!at_start)).map(Leg::take);
     Ok(cuts.points.first().copied().zip(piece))
 }
 
-/// Cuts a leg at `shares` of its length, which rise; `piece` holds what lies before the leg's first letter.
+/// Cuts a leg in `count` places at shares of its length, which are asked for one after the other and rise; `piece` holds
+/// what lies before the leg's first letter.
 fn cut_leg(
     mesh: &SurfaceMesh,
     leg: &Leg,
-    start: &SurfacePoint,
-    end: &SurfacePoint,
-    shares: &[f64],
+    [start, end]: [&SurfacePoint; 2],
+    count: usize,
+    mut share_of: impl FnMut(usize) -> f64,
     mut piece: Leg,
     pauses: &mut Pauses,
 ) -> Result<Cuts> {
     let length = leg.length(mesh, start, end);
-    let mut cuts = Cuts { points: Vec::with_capacity(shares.len()), legs: Vec::with_capacity(shares.len() + 1) };
+    pauses.ticks(leg.word.len())?;
+    let mut cuts = Cuts { points: LargeVec::with_capacity(count), legs: LargeVec::with_capacity(count + 1) };
+    let mut share = (count > 0).then(|| share_of(0));
     let (mut triangle, mut here, mut done) = (leg.first, *start, 0.0);
     for i in 0..=leg.word.len() {
         let letter = leg.word.get(i).map(|&h| (h, leg.parameters[i]));
         let next = letter.map_or(*end, |(h, t)| crossing_point(mesh, h, t));
         let segment = mesh.position_of(&here).distance(mesh.position_of(&next));
         pauses.tick()?;
-        while let Some(share) = shares.get(cuts.points.len()) {
-            let ahead = share * length - done;
+        while let Some(next_share) = share {
+            let ahead = next_share * length - done;
             // The last segment takes what rounding has left over.
             if ahead > segment && letter.is_some() {
                 break;
             }
             pauses.tick()?;
-            let share = if segment > 0.0 { (ahead / segment).min(1.0) } else { 0.5 };
+            let part = if segment > 0.0 { (ahead / segment).min(1.0) } else { 0.5 };
             let (a, b) = (in_triangle(mesh, &here, triangle), in_triangle(mesh, &next, triangle));
             let next_piece = Leg { first: triangle, word: Vec::new(), parameters: Vec::new() };
             cuts.legs.push(std::mem::replace(&mut piece, next_piece));
-            cuts.points.push(moved_inside(between(triangle, a, b, share)));
+            cuts.points.push(moved_inside(between(triangle, a, b, part)));
+            share = (cuts.points.len() < count).then(|| share_of(cuts.points.len()));
         }
         done += segment;
         here = next;

@@ -5,6 +5,7 @@
 
 use crate::error::{Error, OptionError, Result};
 use crate::filter::fair::FairCurve;
+use crate::large::LargeVec;
 use crate::mesh::SurfaceMesh;
 use crate::options::Options;
 use crate::pauses::Pauses;
@@ -131,8 +132,9 @@ pub fn smooth_fair(task: &FairTask, route: &mut Route, report: &mut Report, obse
     pauses.pause()?;
     let mut lowering = Lowering::new(task, report, observer);
     let (curve, is_settled) = lowering.refine(&samples, detail_size, if is_draft { &DRAFT } else { &FINAL })?;
+    let made = curve.to_route(mesh, &mut lowering.pauses)?;
     lowering.finish();
-    *route = curve.to_route(mesh).ok_or(Error::Collapsed { iterations: report.iterations })?;
+    *route = made.ok_or(Error::Collapsed { iterations: report.iterations })?;
     let crossings = count_self_crossings(mesh, route, &mut Pauses::new(observer, Step::Relax))?;
     report.new_self_crossings = crossings.saturating_sub(crossings_before);
     report.stop_reason = match is_settled {
@@ -190,6 +192,18 @@ pub fn choose_detail_size(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool],
     Ok(size)
 }
 
+/// Where the numbers of `some` are in `all`, which holds them; both rise.
+fn places_in(all: &[usize], some: &[usize], pauses: &mut Pauses) -> Result<LargeVec<usize>> {
+    let mut places = LargeVec::with_capacity(some.len());
+    for (place, number) in all.iter().enumerate() {
+        pauses.tick()?;
+        if some.get(places.len()) == Some(number) {
+            places.push(place);
+        }
+    }
+    Ok(places)
+}
+
 /// What stays the same while curves are lowered.
 pub struct Lowering<'a> {
     mesh: &'a SurfaceMesh,
@@ -197,7 +211,8 @@ pub struct Lowering<'a> {
     stages: bool,
     work: SpanWork,
     report: &'a mut Report,
-    pauses: Pauses<'a>,
+    /// Of the lowering.
+    pub pauses: Pauses<'a>,
 }
 
 impl<'a> Lowering<'a> {
@@ -231,7 +246,7 @@ impl<'a> Lowering<'a> {
     pub fn refine(&mut self, samples: &Samples, detail_size: f64, paces: &Paces) -> Result<(FairCurve, bool)> {
         let mut stride = coarsest_stride(samples, detail_size / samples.unit);
         let finest = paces.finest_stride.min(stride);
-        let mut kept = samples.kept_at(stride);
+        let mut kept = samples.kept_at(stride, &mut self.pauses)?;
         self.pauses.pause()?;
         let coarse = samples.thinned(self.mesh, &kept, &mut self.pauses)?;
         let mut curve = self.open_curve(coarse, detail_size)?;
@@ -241,12 +256,12 @@ impl<'a> Lowering<'a> {
                 return Ok((curve, is_settled));
             }
             stride /= 2;
-            let finer = samples.kept_at(stride);
-            let places: Vec<usize> = kept.iter().filter_map(|i| finer.binary_search(i).ok()).collect();
+            let finer = samples.kept_at(stride, &mut self.pauses)?;
+            let places = places_in(&finer, &kept, &mut self.pauses)?;
             let legs: Vec<_> = curve.spans.iter().map(|span| &span.leg).collect();
-            let fine = samples.thinned(self.mesh, &finer, &mut self.pauses)?;
+            let fine = samples.spaced(&finer, &mut self.pauses)?;
             let fine = fine.refined(self.mesh, &places, &curve.points, &legs, &mut self.pauses)?;
-            std::mem::replace(&mut curve, self.open_curve(fine, detail_size)?).release(&mut self.pauses)?;
+            curve = self.open_curve(fine, detail_size)?;
             kept = finer;
         }
     }
@@ -259,14 +274,20 @@ impl<'a> Lowering<'a> {
         let mut slow_steps = 0;
         let mut refused_size = f64::INFINITY;
         let mut refused_steps = 0;
+        // As long as the curve stays where it is.
+        let mut system = None;
         loop {
             self.pauses.pause()?;
-            let step = curve.step(self.mesh, reach, &mut self.work.cones, &mut self.pauses)?;
-            let Some(step) = step else { return Ok(true) };
+            let known = match system.take() {
+                Some(known) => known,
+                None => curve.system(self.mesh, &mut self.work.cones, &mut self.pauses)?,
+            };
+            let Some(step) = curve.step(&known, reach, &mut self.pauses)? else { return Ok(true) };
             self.report.newton_steps += 1;
-            let size = curve.relative_size(&step);
+            let size = step.size;
             if size > SHORTER * refused_size && reach >= LEAST_REACH * piece {
                 reach = reach.min(length) / 2.0;
+                system = Some(known);
                 continue;
             }
             let next = curve.moved(self.mesh, &step, &mut self.work, self.report, &mut self.pauses)?;
@@ -282,16 +303,15 @@ impl<'a> Lowering<'a> {
             refused_steps = if fall > 0.0 { 0 } else { refused_steps + 1 };
             match next {
                 Some(next) if fall > 0.0 => {
-                    std::mem::replace(curve, next).release(&mut self.pauses)?;
+                    *curve = next;
                     self.report.iterations += 1;
                     self.report.energies.push(curve.energy / curve.unit());
                     if self.stages {
-                        let points = curve.to_route(self.mesh).and_then(|route| points_of(self.mesh, &route));
-                        self.report.stages.extend(points);
+                        let route = curve.to_route(self.mesh, &mut self.pauses)?;
+                        self.report.stages.extend(route.and_then(|route| points_of(self.mesh, &route)));
                     }
                 }
-                Some(next) => next.release(&mut self.pauses)?,
-                None => {}
+                _ => system = Some(known),
             }
             let share = fall / step.fall;
             if share > GOOD_SHARE {

@@ -260,13 +260,16 @@ struct Walk {
 /// Where the straight line from start to end crosses the letters of a word; `None` where it does not cross all of them
 /// between their ends.
 fn straight_crossings(mesh: &SurfaceMesh, unfolding: &Unfolding, word: &[HalfedgeId]) -> Option<Vec<f64>> {
-    let crossing = |(&letter, &[left, right]): (&HalfedgeId, &[u32; 2])| {
+    let mut parameters = Vec::with_capacity(word.len());
+    for (&letter, &[left, right]) in word.iter().zip(&unfolding.portals) {
         let (left, right) = (&unfolding.ends[left as usize], &unfolding.ends[right as usize]);
         let t = cross_portal(unfolding.start, unfolding.end, left.at, right.at);
-        let is_between = (CLEARANCE..=1.0 - CLEARANCE).contains(&t);
-        is_between.then(|| if mesh.sorted_ends(letter)[0] == left.vertex { t } else { 1.0 - t })
-    };
-    word.iter().zip(&unfolding.portals).map(crossing).collect()
+        if !(CLEARANCE..=1.0 - CLEARANCE).contains(&t) {
+            return None;
+        }
+        parameters.push(if mesh.sorted_ends(letter)[0] == left.vertex { t } else { 1.0 - t });
+    }
+    Some(parameters)
 }
 
 /// Whether the winding turns over along a word.

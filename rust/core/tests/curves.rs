@@ -171,7 +171,7 @@ fn samples_lie_evenly_on_the_line_and_survive_thinning() {
                 assert_eq!(leg.last_triangle(&mesh), next.triangle, "the strip ends where the next sample lies");
             }
             for stride in [2, 4, 16] {
-                let kept = samples.kept_at(stride);
+                let kept = samples.kept_at(stride, &mut pauses).expect("nobody stops it");
                 let thin = samples.thinned(&mesh, &kept, &mut pauses).expect("nobody stops it");
                 assert!((thin.steps.iter().sum::<f64>() - samples.steps.iter().sum::<f64>()).abs() < 1e-9);
                 assert_eq!(thin.points.len(), kept.len());

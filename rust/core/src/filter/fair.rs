@@ -17,12 +17,13 @@
 //!
 //! Source: L. Noakes, G. Heinzinger, B. Paden 1989, *Cubic Splines on Curved Spaces*; discretised here.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
 use crate::error::Result;
 use crate::filter::fair_step::FairStep;
+use crate::large::LargeVec;
 use crate::leg::Leg;
 use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
@@ -47,15 +48,17 @@ const MOST_CROSSINGS_PER_TRIANGLE: usize = 8;
 /// A curve in the making.
 #[derive(Clone, Debug)]
 pub struct FairCurve {
-    /// What does not change: pins, anchors and steps.
-    pub(super) input: Rc<Samples>,
+    /// What does not change: pins, anchors and steps; without points and legs.
+    pub(super) input: Arc<Samples>,
+    /// Edges that the input crosses.
+    crossings: usize,
     /// 1 / detail size to the fourth; 0 for no closeness.
     pub(super) closeness: f64,
     /// Where the samples are now.
-    pub points: Vec<SurfacePoint>,
+    pub points: LargeVec<SurfacePoint>,
     /// Spans between neighbouring samples.
-    pub spans: Vec<Span>,
-    pub(super) frames: Vec<Frame>,
+    pub spans: LargeVec<Span>,
+    pub(super) frames: LargeVec<Frame>,
     /// See the module.
     pub energy: f64,
 }
@@ -86,14 +89,14 @@ impl FairCurve {
         report: &mut Report,
         pauses: &mut Pauses,
     ) -> Result<Self> {
-        let count = samples.points.len();
-        let spans = samples.legs.iter().enumerate().map(|(i, leg)| {
-            let (from, to) = (&samples.points[i], &samples.points[(i + 1) % count]);
-            Span::relax(mesh, from, to, leg.clone(), work, report, pauses)
-        });
-        let (spans, points) = (spans.collect::<Result<_>>()?, samples.points.clone());
+        let mut samples = samples;
+        let (points, legs) = (std::mem::take(&mut samples.points), samples.legs.take());
+        let crossings = legs.iter().map(|leg| leg.word.len()).sum();
+        pauses.pause()?;
+        let spans = relax_all(mesh, &points, legs, work, report, pauses)?;
         let closeness = (detail_size / samples.unit).max(LEAST_DETAIL).powi(-4);
-        Self { input: Rc::new(samples), closeness, points, spans, frames: Vec::new(), energy: 0.0 }
+        let input = Arc::new(samples);
+        Self { input, crossings, closeness, points, spans, frames: LargeVec::default(), energy: 0.0 }
             .measured(mesh, pauses)
     }
 
@@ -134,11 +137,12 @@ impl FairCurve {
     }
 
     fn measured(mut self, mesh: &SurfaceMesh, pauses: &mut Pauses) -> Result<Self> {
-        let frame = |i: usize| {
+        self.frames = LargeVec::with_capacity(self.count());
+        for i in 0..self.count() {
             pauses.tick()?;
-            Ok(self.frame(mesh, i))
-        };
-        self.frames = (0..self.count()).map(frame).collect::<Result<_>>()?;
+            let frame = self.frame(mesh, i);
+            self.frames.push(frame);
+        }
         self.energy = 0.0;
         for i in 0..self.count() {
             pauses.tick()?;
@@ -194,82 +198,94 @@ impl FairCurve {
         report: &mut Report,
         pauses: &mut Pauses,
     ) -> Result<Option<Self>> {
-        let crossings_before: usize = self.input.legs.iter().map(|leg| leg.word.len()).sum();
         let few = MOST_CROSSINGS.min(MOST_CROSSINGS_PER_TRIANGLE * mesh.triangles().len());
-        let most = few.max(MOST_CROSSINGS_PER_INPUT * crossings_before);
-        let mut points = self.points.clone();
-        let mut crossed = vec![Vec::new(); points.len()];
-        let mut left = most;
-        for i in (0..points.len()).filter(|&i| !self.input.is_pinned[i]) {
+        let most = few.max(MOST_CROSSINGS_PER_INPUT * self.crossings);
+        let mut points = LargeVec::copied(&self.points, || pauses.tick())?;
+        // What each sample crosses ends at its place in `ends` and begins where the one before it ends.
+        let (mut crossed, mut ends) = (LargeVec::default(), LargeVec::with_capacity(points.len()));
+        let mut word = Vec::new();
+        for i in 0..points.len() {
             pauses.tick()?;
-            let [x, y] = self.frames[i].axes;
-            let way = self.input.unit * (step.ways[i].x * x + step.ways[i].y * y);
-            let Some(point) = trace(mesh, &self.points[i], way, left, &mut crossed[i]) else { return Ok(None) };
-            points[i] = point;
-            left -= crossed[i].len();
+            if !self.input.is_pinned[i] {
+                let [x, y] = self.frames[i].axes;
+                let way = self.input.unit * (step.ways[i].x * x + step.ways[i].y * y);
+                let left = most - crossed.len();
+                let Some(point) = trace(mesh, &self.points[i], way, left, &mut word) else { return Ok(None) };
+                points[i] = point;
+                crossed.append(&mut word);
+            }
+            ends.push(crossed.len());
         }
+        let crossed_by = |i: usize| &crossed[if i > 0 { ends[i - 1] } else { 0 }..ends[i]];
         let mut legs = Vec::with_capacity(self.spans.len());
         let mut left = most;
         for (i, span) in self.spans.iter().enumerate() {
             pauses.tick()?;
             let next = (i + 1) % points.len();
-            let leg = span.leg.between_moved(mesh, points[i].triangle, &crossed[i], &crossed[next]);
-            if i > 0 {
-                // Freed one by one, as millions take their time.
-                crossed[i] = Vec::new();
-            }
+            let leg = span.leg.between_moved(mesh, points[i].triangle, crossed_by(i), crossed_by(next));
             let Some(rest) = left.checked_sub(leg.word.len()) else { return Ok(None) };
             left = rest;
             legs.push(leg);
         }
-        let spans = legs.into_iter().enumerate().map(|(i, leg)| {
-            let next = (i + 1) % points.len();
-            Span::relax(mesh, &points[i], &points[next], leg, work, report, pauses)
-        });
-        let spans: Vec<Span> = spans.collect::<Result<_>>()?;
-        let input = Rc::clone(&self.input);
-        let moved = Self { input, closeness: self.closeness, points, spans, frames: Vec::new(), energy: 0.0 };
+        let spans = relax_all(mesh, &points, legs, work, report, pauses)?;
+        let (input, crossings) = (Arc::clone(&self.input), self.crossings);
+        let frames = LargeVec::default();
+        let moved = Self { input, crossings, closeness: self.closeness, points, spans, frames, energy: 0.0 };
         Ok(Some(moved.measured(mesh, pauses)?))
     }
 
     /// The curve as a line: its crossings alone, between its pins. `None` when a closed curve without pins crosses
     /// nothing any more.
-    pub fn to_route(&self, mesh: &SurfaceMesh) -> Option<Route> {
+    ///
+    /// # Errors
+    /// As [`FairCurve::new`].
+    pub fn to_route(&self, mesh: &SurfaceMesh, pauses: &mut Pauses) -> Result<Option<Route>> {
         let (count, is_pinned) = (self.spans.len(), &self.input.is_pinned);
         let pins: Vec<usize> = (0..self.count()).filter(|&i| is_pinned[i]).collect();
         let start = pins.first().copied().unwrap_or(0);
         let mut legs: Vec<Leg> = Vec::new();
         for i in (0..count).map(|k| (start + k) % count) {
             let span = &self.spans[i].leg;
+            pauses.ticks(1 + span.word.len())?;
             if legs.is_empty() || is_pinned[i] {
                 legs.push(Leg { first: span.first, word: Vec::new(), parameters: Vec::new() });
             }
-            let leg = legs.last_mut()?;
+            let Some(leg) = legs.last_mut() else { continue };
             for (&h, &t) in span.word.iter().zip(&span.parameters) {
                 leg.push(mesh, h, t);
             }
         }
+        pauses.pause()?;
         let mut legs: Vec<Leg> = legs.into_iter().map(|leg| leg.without_full_turns(mesh).unwrap_or(leg)).collect();
         if pins.is_empty() {
             legs[0].reduce_seam(mesh);
-            legs[0].word.first()?;
+            if legs[0].word.is_empty() {
+                return Ok(None);
+            }
         }
         let pins = pins.iter().map(|&i| self.points[i]).collect();
         let mut route = Route { closed: self.input.closed, pins, legs };
+        pauses.pause()?;
         route.snap_to_vertices(mesh);
-        Some(route)
+        pauses.pause()?;
+        Ok(Some(route))
     }
+}
 
-    /// Frees the curve; dropping one of millions of spans at once would hold up everything.
-    ///
-    /// # Errors
-    /// As [`FairCurve::new`].
-    pub fn release(self, pauses: &mut Pauses) -> Result<()> {
-        let legs = Rc::into_inner(self.input).map(|samples| samples.legs).unwrap_or_default();
-        for leg in self.spans.into_iter().map(|span| span.leg).chain(legs) {
-            pauses.tick()?;
-            drop(leg);
-        }
-        Ok(())
+/// Spans between neighbouring points in the strips `legs`.
+fn relax_all(
+    mesh: &SurfaceMesh,
+    points: &[SurfacePoint],
+    legs: Vec<Leg>,
+    work: &mut SpanWork,
+    report: &mut Report,
+    pauses: &mut Pauses,
+) -> Result<LargeVec<Span>> {
+    let mut legs = LargeVec::from(legs);
+    let mut spans = LargeVec::with_capacity(legs.len());
+    for (i, leg) in legs.iter_mut().enumerate() {
+        let (from, to) = (&points[i], &points[(i + 1) % points.len()]);
+        spans.push(Span::relax(mesh, from, to, leg.take(), work, report, pauses)?);
     }
+    Ok(spans)
 }

@@ -5,17 +5,19 @@
 
 use std::convert::Infallible;
 
+use crate::large::LargeVec;
+
 /// A band matrix of half-width `k`; entry `(i, i + j - k)` is `entries[i * (2 k + 1) + j]`, indices wrapping on a ring.
 #[derive(Clone, Debug)]
 pub struct Banded {
     half_width: usize,
-    entries: Vec<f64>,
+    entries: LargeVec<f64>,
 }
 
 impl Banded {
     /// The zero matrix of `count` rows.
     pub fn zero(count: usize, half_width: usize) -> Self {
-        Self { half_width, entries: vec![0.0; count * (2 * half_width + 1)] }
+        Self { half_width, entries: vec![0.0; count * (2 * half_width + 1)].into() }
     }
 
     fn width(&self) -> usize {
@@ -45,6 +47,14 @@ impl Banded {
         row[diagonal] = 1.0;
     }
 
+    /// The matrix once more; `tick` is called now and then, and may end the work with an error.
+    ///
+    /// # Errors
+    /// Those of `tick`.
+    pub fn copied<E>(&self, tick: impl FnMut() -> Result<(), E>) -> Result<Self, E> {
+        Ok(Self { half_width: self.half_width, entries: LargeVec::copied(&self.entries, tick)? })
+    }
+
     /// Solves for `right`, on a ring or a chain; `None` when a pivot vanishes. Small systems and the border are dense.
     pub fn solve(&self, right: &[f64], is_ring: bool) -> Option<Vec<f64>> {
         self.clone().into_solution(right, is_ring, || Ok::<_, Infallible>(())).unwrap_or_else(|never| match never {})
@@ -67,14 +77,14 @@ impl Banded {
         }
         if !is_ring {
             // No row reaches across the ends: there is no border to put in.
-            let mut x = right.to_vec();
+            let mut x = LargeVec::copied(right, &mut tick)?;
             let is_solved = eliminate(&mut self.entries, &mut x, k, 1, &mut tick)?;
-            return Ok((is_solved && x.iter().all(|v| v.is_finite())).then_some(x));
+            return Ok((is_solved && x.iter().all(|v| v.is_finite())).then(|| x.take()));
         }
         let body = n - k;
         // Columns to solve for: the right side, then the border columns.
         let (band, border_rows) = self.entries.split_at_mut(body * width);
-        let mut columns = vec![0.0; body * (k + 1)];
+        let mut columns = LargeVec::from(vec![0.0; body * (k + 1)]);
         for i in 0..body {
             tick()?;
             columns[i * (k + 1)] = right[i];
@@ -112,9 +122,13 @@ impl Banded {
         }
         let Some(border) = solve_dense(dense, rest) else { return Ok(None) };
         let body_value = |c: &[f64]| c[0] - c[1..].iter().zip(&border).map(|(a, b)| a * b).sum::<f64>();
-        let mut x: Vec<f64> = columns.chunks(k + 1).map(body_value).collect();
+        let mut x = LargeVec::with_capacity(n);
+        for solved in columns.chunks(k + 1) {
+            tick()?;
+            x.push(body_value(solved));
+        }
         x.extend(&border);
-        Ok(x.iter().all(|v| v.is_finite()).then_some(x))
+        Ok(x.iter().all(|v| v.is_finite()).then(|| x.take()))
     }
 
     fn dense(&self, is_ring: bool) -> Vec<Vec<f64>> {
