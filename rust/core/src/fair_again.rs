@@ -21,7 +21,7 @@ use crate::mesh::SurfaceMesh;
 use crate::pauses::Pauses;
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
-use crate::samples::{Samples, end_piece, mean_edge_length};
+use crate::samples::{InputSize, Samples, end_piece};
 use crate::smooth_fair::{DRAFT, FairTask, Lowering, choose_detail_size, smooth_fair, spacing_on};
 use crate::surface_point::SurfacePoint;
 
@@ -68,7 +68,8 @@ pub fn smooth_fair_again(
         return Ok(Vec::new());
     }
     let input = route.clone();
-    let (made_at, is_open) = choose_legs(task.mesh, before, &input);
+    let size = InputSize::of(task.mesh, &input, &mut Pauses::new(observer, Step::Relax))?;
+    let (made_at, is_open) = choose_legs(task.mesh, before, &input, size.edge);
     if is_open.iter().all(|&open| open) {
         smooth_fair(task, route, report, observer)?;
         return Ok(Vec::new());
@@ -78,7 +79,7 @@ pub fn smooth_fair_again(
             route.legs[i].clone_from(&before.route.legs[k]);
         }
     }
-    report.detail_size = Some(choose_detail_size(task.mesh, &input, task.is_pinned, task.options.detail_size)?);
+    report.detail_size = Some(choose_detail_size(&size, &input, task.is_pinned, task.options.detail_size)?);
     let begins = |i: usize| is_open[i] && !(if i > 0 { is_open[i - 1] } else { input.closed && is_open[count - 1] });
     let mut is_settled = true;
     for start in (0..count).filter(|&i| begins(i)) {
@@ -93,14 +94,15 @@ pub fn smooth_fair_again(
     Ok(made_at)
 }
 
-/// When each leg was made once those with their flag are made again.
-fn choose_legs(mesh: &SurfaceMesh, before: &FairBefore, input: &Route) -> (Vec<MadeAt>, Vec<bool>) {
+/// When each leg was made once those with their flag are made again; `edge` is the mean length of the edges that the input
+/// crosses.
+fn choose_legs(mesh: &SurfaceMesh, before: &FairBefore, input: &Route, edge: f64) -> (Vec<MadeAt>, Vec<bool>) {
     let count = input.legs.len();
     let length = |i: usize| Some(input.legs[i].length(mesh, input.start_pin(i)?, input.end_pin(i)?));
     let longest = (0..count).filter(|&i| before.same[i].is_none()).filter_map(length).fold(0.0, f64::max);
     // A pick that came or went has moved as far as it could.
     let shift = before.shift.unwrap_or(longest);
-    let tolerance = (TOLERANCE * mean_edge_length(mesh, input)).max(TOLERANCE_OF_SHIFT * shift);
+    let tolerance = (TOLERANCE * edge).max(TOLERANCE_OF_SHIFT * shift);
     let distances = distances_from(before.same, input.closed);
     let places = |route: &Route| -> Arc<[DVec3]> { route.pins.iter().map(|pin| mesh.position_of(pin)).collect() };
     let (old_pins, new_pins) = (places(before.route), places(input));
@@ -166,8 +168,8 @@ fn smooth_stretch(
         legs.iter().filter_map(|&i| input.start_pin(i)).chain(input.end_pin(last)).copied().collect();
     let stretch = Route { closed: false, legs: legs.iter().map(|&i| input.legs[i].clone()).collect(), pins };
     let detail_size = report.detail_size.unwrap_or(f64::INFINITY);
-    let spacing = spacing_on(mesh, &stretch, detail_size);
     let mut pauses = Pauses::new(observer, Step::Relax);
+    let spacing = spacing_on(&InputSize::of(mesh, &stretch, &mut pauses)?, detail_size);
     let mut samples = Samples::of_route(mesh, &stretch, &vec![true; stretch.pins.len()], spacing, &mut pauses)?;
     let sides = [
         (true, first.checked_sub(1).or(input.closed.then(|| count - 1))),

@@ -59,12 +59,7 @@ impl Polyline {
         report: Report,
         pauses: &mut Pauses,
     ) -> Result<Option<Self>> {
-        let mut outcome = Ok(());
-        let line = Self::assemble_while(mesh, route, report, &mut || {
-            outcome = pauses.tick();
-            outcome.is_ok()
-        });
-        outcome?;
+        let line = while_unstopped(pauses, |goes_on| Self::assemble_while(mesh, route, report, goes_on))?;
         pauses.pause()?;
         Ok(line)
     }
@@ -77,7 +72,7 @@ impl Polyline {
     ) -> Option<Self> {
         let (strip, stops) = walk(mesh, &route, goes_on)?;
         let surface_points: Vec<_> = stops.iter().map(|s| s.surface_point).collect();
-        let points = surface_points.iter().map(|p| mesh.position_of(p)).collect();
+        let points = positions_of(mesh, &stops, goes_on)?;
         let segments = if route.closed { stops.len() } else { stops.len().saturating_sub(1) };
         let segment_triangles = stops.iter().take(segments).map(|s| s.after).collect();
         Some(Self { closed: route.closed, points, surface_points, segment_triangles, strip, route, report })
@@ -85,8 +80,28 @@ impl Polyline {
 
     /// The points that [`Polyline::assemble`] gives the line, and how many triangles its strip has.
     pub fn outline(mesh: &SurfaceMesh, route: &Route) -> Option<(Vec<DVec3>, usize)> {
-        let (strip, stops) = walk(mesh, route, &mut || true)?;
-        Some((stops.iter().map(|s| mesh.position_of(&s.surface_point)).collect(), strip.len()))
+        Self::outline_while(mesh, route, &mut || true)
+    }
+
+    /// As [`Polyline::outline`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
+    pub fn outline_with_pauses(
+        mesh: &SurfaceMesh,
+        route: &Route,
+        pauses: &mut Pauses,
+    ) -> Result<Option<(Vec<DVec3>, usize)>> {
+        while_unstopped(pauses, |goes_on| Self::outline_while(mesh, route, goes_on))
+    }
+
+    fn outline_while(
+        mesh: &SurfaceMesh,
+        route: &Route,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<(Vec<DVec3>, usize)> {
+        let (strip, stops) = walk(mesh, route, goes_on)?;
+        Some((positions_of(mesh, &stops, goes_on)?, strip.len()))
     }
 
     /// The length, in the units of the positions.
@@ -145,6 +160,30 @@ pub fn length_of(points: &[DVec3], closed: bool) -> f64 {
         (true, Some(first), Some(last)) => open + last.distance(*first),
         _ => open,
     }
+}
+
+/// What `work` makes, which asks now and then whether it shall go on.
+fn while_unstopped<T>(
+    pauses: &mut Pauses,
+    work: impl FnOnce(&mut dyn FnMut() -> bool) -> Option<T>,
+) -> Result<Option<T>> {
+    let mut outcome = Ok(());
+    let made = work(&mut || {
+        outcome = pauses.tick();
+        outcome.is_ok()
+    });
+    outcome.map(|()| made)
+}
+
+fn positions_of(mesh: &SurfaceMesh, stops: &[Stop], goes_on: &mut dyn FnMut() -> bool) -> Option<Vec<DVec3>> {
+    let mut points = Vec::with_capacity(stops.len());
+    for stop in stops {
+        if !goes_on() {
+            return None;
+        }
+        points.push(mesh.position_of(&stop.surface_point));
+    }
+    Some(points)
 }
 
 /// The strip and the stops of a route, equal neighbours merged; `None` also when a crossing finds that `goes_on` does not.

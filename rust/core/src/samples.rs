@@ -43,19 +43,40 @@ pub struct Samples {
     pub legs: LargeVec<Leg>,
 }
 
-/// Mean length of the edges that a route crosses; where it crosses none, its own length.
-pub fn mean_edge_length(mesh: &SurfaceMesh, route: &Route) -> f64 {
-    let letters = || route.legs.iter().flat_map(|leg| &leg.word);
-    let count = letters().count();
-    let sum: f64 = letters().map(|&h| mesh.edge_length(h)).sum();
-    if count > 0 { sum / count as f64 } else { route_length(mesh, route) }
+/// How long a route with pins is, and what it crosses.
+#[derive(Clone, Copy, Debug)]
+pub struct InputSize {
+    /// In the units of the positions.
+    pub length: f64,
+    /// Mean length of the edges that it crosses; where it crosses none, its own length.
+    pub edge: f64,
+    /// How many edges that are.
+    pub crossings: usize,
+    /// How many legs it has.
+    pub legs: usize,
 }
 
-/// Length of a route with pins, in the units of the positions.
-pub fn route_length(mesh: &SurfaceMesh, route: &Route) -> f64 {
-    let ends = |i: usize| Some((route.start_pin(i)?, route.end_pin(i)?));
-    let lengths = route.legs.iter().enumerate().filter_map(|(i, leg)| ends(i).map(|(a, b)| leg.length(mesh, a, b)));
-    lengths.sum()
+impl InputSize {
+    /// Of a route.
+    ///
+    /// # Errors
+    /// [`crate::Error::Interrupted`] at one of the `pauses`.
+    pub fn of(mesh: &SurfaceMesh, route: &Route, pauses: &mut Pauses) -> Result<Self> {
+        let (mut length, mut edges, mut crossings) = (0.0, 0.0, 0);
+        for (i, leg) in route.legs.iter().enumerate() {
+            for &h in &leg.word {
+                pauses.tick()?;
+                edges += mesh.edge_length(h);
+            }
+            crossings += leg.word.len();
+            if let (Some(start), Some(end)) = (route.start_pin(i), route.end_pin(i)) {
+                length += leg.length(mesh, start, end);
+            }
+            pauses.ticks(leg.word.len())?;
+        }
+        let edge = if crossings > 0 { edges / crossings as f64 } else { length };
+        Ok(Self { length, edge, crossings, legs: route.legs.len() })
+    }
 }
 
 /// A ring without pins as a route from a point on it back to the same; any other route as it is.

@@ -14,6 +14,9 @@ use crate::report::Report;
 use crate::route::Route;
 use crate::spot::in_triangle;
 
+/// Segments that are put in order without a look at limits, about: a millisecond.
+const SEGMENTS_A_PART: usize = 1 << 13;
+
 /// Self-crossings of a line. Cost: O(n log n) for n segments, and quadratic in how many share one triangle.
 ///
 /// # Errors
@@ -27,20 +30,25 @@ pub fn count_self_crossings(mesh: &SurfaceMesh, route: &Route, pauses: &mut Paus
         let parts = in_triangle(mesh, &line.surface_points[point], triangle);
         DVec2::new(parts[1], parts[2])
     };
-    let mut segments: Vec<(TriangleId, [DVec2; 2])> = line
-        .segment_triangles
-        .iter()
-        .enumerate()
-        .map(|(i, &triangle)| (triangle, [place(i, triangle), place((i + 1) % count, triangle)]))
-        .collect();
-    pauses.pause()?;
-    segments.sort_by_key(|segment| segment.0);
+    // Put in order by triangle in parts, each of which is soon done.
+    let triangles = mesh.triangles().len();
+    let parts = 1 + count / SEGMENTS_A_PART;
+    let mut segments: Vec<Vec<(TriangleId, [DVec2; 2])>> = vec![Vec::new(); parts];
+    for (i, &triangle) in line.segment_triangles.iter().enumerate() {
+        pauses.tick()?;
+        let segment = [place(i, triangle), place((i + 1) % count, triangle)];
+        segments[triangle.index() * parts / triangles].push((triangle, segment));
+    }
     let mut crossings = 0;
-    for group in segments.chunk_by(|a, b| a.0 == b.0) {
-        for (i, a) in group.iter().enumerate() {
-            for b in &group[i + 1..] {
-                pauses.tick()?;
-                crossings += usize::from(is_crossing(a.1, b.1));
+    for mut part in segments {
+        pauses.ticks(part.len())?;
+        part.sort_by_key(|segment| segment.0);
+        for group in part.chunk_by(|a, b| a.0 == b.0) {
+            for (i, a) in group.iter().enumerate() {
+                for b in &group[i + 1..] {
+                    pauses.tick()?;
+                    crossings += usize::from(is_crossing(a.1, b.1));
+                }
             }
         }
     }

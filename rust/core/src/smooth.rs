@@ -82,7 +82,8 @@ pub fn smooth_input(
     go_on(observer, Step::Search)?;
     if options.filter != Filter::None {
         if report.kept_legs == 0 && (options.stages || route.pins.is_empty()) {
-            let (points, strip_triangles) = Polyline::outline(mesh, &route).expect(FITS);
+            let (points, strip_triangles) =
+                Polyline::outline_with_pauses(mesh, &route, &mut Pauses::new(observer, Step::Search))?.expect(FITS);
             go_on(observer, Step::Search)?;
             note_start(&mut report, &points, route.closed, strip_triangles, options);
         } else {

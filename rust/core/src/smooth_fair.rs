@@ -11,7 +11,7 @@ use crate::options::Options;
 use crate::pauses::Pauses;
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
-use crate::samples::{Samples, mean_edge_length, route_length, with_seam};
+use crate::samples::{InputSize, Samples, with_seam};
 use crate::self_crossings::count_self_crossings;
 use crate::smooth_geodesic::points_of;
 use crate::span::SpanWork;
@@ -123,12 +123,11 @@ pub fn smooth_fair(task: &FairTask, route: &mut Route, report: &mut Report, obse
     pauses.pause()?;
     let input = with_seam(mesh, route.clone());
     let is_pinned = if route.pins.is_empty() { &[false] } else { is_pinned };
-    let own_size =
-        is_drawn.then(|| (STROKE_DETAIL_SHARE * route_length(mesh, &input)).max(mean_edge_length(mesh, &input)));
-    let detail_size = choose_detail_size(mesh, &input, is_pinned, options.detail_size.or(own_size))?;
+    let size = InputSize::of(mesh, &input, &mut pauses)?;
+    let own_size = is_drawn.then(|| (STROKE_DETAIL_SHARE * size.length).max(size.edge));
+    let detail_size = choose_detail_size(&size, &input, is_pinned, options.detail_size.or(own_size))?;
     report.detail_size = Some(detail_size);
-    pauses.pause()?;
-    let samples = Samples::of_route(mesh, &input, is_pinned, spacing_on(mesh, &input, detail_size), &mut pauses)?;
+    let samples = Samples::of_route(mesh, &input, is_pinned, spacing_on(&size, detail_size), &mut pauses)?;
     pauses.pause()?;
     let mut lowering = Lowering::new(task, report, observer);
     let (curve, is_settled) = lowering.refine(&samples, detail_size, if is_draft { &DRAFT } else { &FINAL })?;
@@ -158,28 +157,27 @@ fn coarsest_stride(samples: &Samples, samples_per_detail: f64) -> usize {
     stride
 }
 
-/// How far apart samples of `input` are.
-pub fn spacing_on(mesh: &SurfaceMesh, input: &Route, detail_size: f64) -> f64 {
-    let edge = mean_edge_length(mesh, input);
+/// How far apart samples of an input are.
+pub fn spacing_on(size: &InputSize, detail_size: f64) -> f64 {
+    let &InputSize { length, edge, crossings, legs } = size;
     let spacing = (edge / SAMPLES_PER_EDGE).min((detail_size / SAMPLES_PER_DETAIL).max(edge / MOST_SAMPLES_PER_EDGE));
-    let crossings: usize = input.legs.iter().map(|leg| leg.word.len()).sum();
-    let most = MOST_SAMPLES_PER_CROSSING * crossings as f64 + MOST_SAMPLES_PER_LEG * input.legs.len() as f64;
-    let spacing = spacing.max(route_length(mesh, input) / most);
+    let most = MOST_SAMPLES_PER_CROSSING * crossings as f64 + MOST_SAMPLES_PER_LEG * legs as f64;
+    let spacing = spacing.max(length / most);
     // All in one place: any unit will do.
     if spacing > 0.0 { spacing } else { 1.0 }
 }
 
 /// The detail size, `given` or by the contract's rules.
-pub fn choose_detail_size(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool], given: Option<f64>) -> Result<f64> {
+pub fn choose_detail_size(size: &InputSize, input: &Route, is_pinned: &[bool], given: Option<f64>) -> Result<f64> {
     let pin_count = is_pinned.iter().filter(|&&p| p).count();
     let inner =
         if input.closed { is_pinned } else { is_pinned.get(1..is_pinned.len().saturating_sub(1)).unwrap_or(&[]) };
-    let size = match given {
-        Some(size) => size,
+    let chosen = match given {
+        Some(given) => given,
         None if inner.iter().all(|&p| p) => f64::INFINITY,
-        None => DEFAULT_DETAIL_SHARE * route_length(mesh, input) / input.legs.len().max(1) as f64,
+        None => DEFAULT_DETAIL_SHARE * size.length / size.legs.max(1) as f64,
     };
-    if input.closed && size == f64::INFINITY && pin_count < 3 {
+    if input.closed && chosen == f64::INFINITY && pin_count < 3 {
         return Err(OptionError::new(
             "detail_size",
             format!(
@@ -189,7 +187,7 @@ pub fn choose_detail_size(mesh: &SurfaceMesh, input: &Route, is_pinned: &[bool],
         )
         .into());
     }
-    Ok(size)
+    Ok(chosen)
 }
 
 /// Where the numbers of `some` are in `all`, which holds them; both rise.

@@ -9,7 +9,7 @@ use glam::DVec3;
 use smooth_polylines_core::cone::Cones;
 use smooth_polylines_core::ids::{TriangleId, VertexId};
 use smooth_polylines_core::pauses::Pauses;
-use smooth_polylines_core::samples::{Samples, route_length};
+use smooth_polylines_core::samples::{InputSize, Samples};
 use smooth_polylines_core::self_crossings::count_self_crossings;
 use smooth_polylines_core::spot::Spot;
 use smooth_polylines_core::strip::triangles_of;
@@ -152,13 +152,13 @@ fn samples_lie_evenly_on_the_line_and_survive_thinning() {
     let picks = faces(&[3, shape.triangles.len() / 2, shape.triangles.len() - 5]);
     for options in [all_pinned(geodesic()), closed(all_pinned(geodesic()))] {
         let route = line(&mesh, &picks, &options).route;
-        let length = route_length(&mesh, &route);
+        let mut observer = NoObserver;
+        let mut pauses = Pauses::new(&mut observer, Step::Relax);
+        let length = InputSize::of(&mesh, &route, &mut pauses).expect("nobody stops it").length;
         let spacing = length / 100.0;
         for is_pinned in
             [vec![true; route.pins.len()], [vec![true], vec![false; route.pins.len() - 2], vec![true]].concat()]
         {
-            let mut observer = NoObserver;
-            let mut pauses = Pauses::new(&mut observer, Step::Relax);
             let samples = Samples::of_route(&mesh, &route, &is_pinned, spacing, &mut pauses).expect("nobody stops it");
             assert!((samples.steps.iter().sum::<f64>() * spacing - length).abs() < 1e-9 * length);
             assert!(samples.steps.iter().all(|&step| step <= 1.0 + 1e-12));
