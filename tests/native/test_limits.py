@@ -84,9 +84,7 @@ def test_a_call_never_works_long_without_a_look_at_its_limits(fine, name):
     looks = Looks(6.0 if name == "fair stroke" else 0.6)
     with pytest.raises(sp.LimitError):
         long_calls(mesh, picks)[name](stop=looks)
-    # Copying and freeing nine million samples at a time takes up to 0.29 s, measured; all else keeps to the rule.
-    longest = 2 * 0.3 if name == "fair stroke" else STOP_SECONDS
-    assert looks.longest < longest * (WORKERS if name in ("network", "search") else 1)
+    assert looks.longest < STOP_SECONDS * (WORKERS if name in ("network", "search") else 1)
 
 
 @pytest.mark.parametrize("name", NAMES)
