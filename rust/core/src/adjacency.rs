@@ -108,6 +108,12 @@ impl Adjacency {
         if walked == corners { VertexKind::Boundary } else { VertexKind::Pinched }
     }
 
+    /// How many triangles have a corner at `vertex`.
+    #[inline]
+    pub fn corners_at(&self, vertex: VertexId) -> u32 {
+        self.spokes[vertex.index()].corners
+    }
+
     /// Numbers of special edges.
     pub fn edge_counts(&self) -> EdgeCounts {
         self.edge_counts

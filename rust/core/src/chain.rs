@@ -140,6 +140,21 @@ impl Chain {
         letters
     }
 
+    /// Whether the corner's run leads back into the triangle that it begins in: a full turn.
+    pub fn is_winding(&self, mesh: &SurfaceMesh, corner: u32) -> bool {
+        let c = &self.corners[corner as usize];
+        let mut link = c.first;
+        let before = self.links[link as usize].letter.triangle();
+        while link != c.last {
+            // A single letter leads elsewhere.
+            link = self.links[link as usize].next;
+            if entered_triangle(mesh, self.links[link as usize].letter) == before {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Sets the angle between the last spoke of a corner and the way out.
     pub fn set_angle_out(&mut self, corner: u32, angle: f64) {
         self.corners[corner as usize].angle_out = angle;

@@ -58,26 +58,35 @@ impl Unfolding {
         };
         let [a, b] = mesh.ends(first);
         let (pa, pb) = (mesh.position(a), mesh.position(b));
-        self.ends.push(PortalEnd { at: DVec2::ZERO, vertex: a, first: 0, last: 0 });
-        self.ends.push(PortalEnd { at: DVec2::new(pa.distance(pb), 0.0), vertex: b, first: 0, last: 0 });
-        let below = ahead_of(pa, pb, DVec2::ZERO, self.ends[1].at, start);
+        // Both ends of the portal: in space, in the plane, and which they are.
+        let mut places = [pa, pb];
+        let mut at = [DVec2::ZERO, DVec2::new(pa.distance(pb), 0.0)];
+        let mut vertices = [a, b];
+        for (at, vertex) in at.into_iter().zip(vertices) {
+            self.ends.push(PortalEnd { at, vertex, first: 0, last: 0 });
+        }
+        let below = ahead_of(pa, pb, at[0], at[1], start);
         self.start = DVec2::new(below.x, -below.y);
         let mut portal = [0u32, 1u32];
         self.portals.push(portal);
-        for (i, pair) in word.windows(2).enumerate() {
-            let letter = i as u32 + 1;
-            let entered = mesh.twin(pair[0]).expect("a letter of a word has a twin");
+        let mut before = first;
+        for (letter, &next) in (1..).zip(&word[1..]) {
+            let entered = mesh.twin(std::mem::replace(&mut before, next)).expect("a letter of a word has a twin");
             let apex = mesh.apex(entered);
-            let at = self.ahead(mesh, portal, mesh.position(apex));
-            let is_left_kept = mesh.touches(pair[1], self.ends[portal[0] as usize].vertex);
-            portal[usize::from(is_left_kept)] = self.ends.len() as u32;
-            self.ends.push(PortalEnd { at, vertex: apex, first: letter, last: letter });
-            for end in portal {
-                self.ends[end as usize].last = letter;
-            }
+            let place = mesh.position(apex);
+            let new = ahead_of(places[0], places[1], at[0], at[1], place);
+            let side = usize::from(mesh.touches(next, vertices[0]));
+            // The end that the strip turns away from.
+            self.ends[portal[side] as usize].last = letter - 1;
+            (places[side], at[side], vertices[side]) = (place, new, apex);
+            portal[side] = self.ends.len() as u32;
+            self.ends.push(PortalEnd { at: new, vertex: apex, first: letter, last: letter });
             self.portals.push(portal);
         }
-        self.end = self.ahead(mesh, portal, end);
+        for end in portal {
+            self.ends[end as usize].last = word.len() as u32 - 1;
+        }
+        self.end = ahead_of(places[0], places[1], at[0], at[1], end);
     }
 
     /// Where `point`, ahead of a portal, comes to lie.

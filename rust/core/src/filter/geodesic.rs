@@ -167,8 +167,8 @@ impl GeodesicLeg {
 
     /// The run without its full turns, or `None` when it has none.
     fn unwound(&self, mesh: &SurfaceMesh, corner: u32) -> Option<Vec<HalfedgeId>> {
-        let letters = self.chain.run_letters(corner);
-        unwind(mesh, &letters)
+        // Nearly none has any.
+        if self.chain.is_winding(mesh, corner) { unwind(mesh, &self.chain.run_letters(corner)) } else { None }
     }
 
     /// Step C on the stretch between two neighbouring corners or ends.

@@ -24,13 +24,24 @@ const START: u32 = u32::MAX;
 /// A corner that the line grazes is kept, so that step D looks at it.
 const GRAZE: f64 = 64.0 * f64::EPSILON;
 
+/// A portal end, or the start, on the funnel.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    at: DVec2,
+    /// Place in [`Unfolding::ends`], or [`START`].
+    end: u32,
+}
+
 /// Work space of the funnel; kept between uses for its memory.
 #[derive(Clone, Debug, Default)]
 pub struct Funnel {
-    deque: Vec<u32>,
+    /// Places that are not on the funnel hold anything.
+    deque: Vec<Held>,
+    /// Of ends that were on the funnel; else anything.
     parents: Vec<u32>,
-    /// Largest coordinate of the ends so far: what their places are rounded by goes with it.
-    reach: f64,
+    /// Ends this near to each other are in one place: what rounding alone can part them by. It goes with the largest
+    /// coordinate of the ends so far.
+    near: f64,
     /// Portal ends at which the shortest line turns or grazes, first to last, as places in [`Unfolding::ends`].
     pub corners: Vec<u32>,
 }
@@ -43,15 +54,16 @@ impl Funnel {
         if unfolding.portals.is_empty() {
             return;
         }
-        self.parents.clear();
-        self.parents.resize(count, START);
-        self.deque.clear();
-        self.deque.resize(2 * count + 3, START);
-        let at = |end: u32| if end == START { unfolding.start } else { unfolding.ends[end as usize].at };
+        let start = Held { at: unfolding.start, end: START };
+        if self.parents.len() < count {
+            self.parents.resize(count, START);
+            self.deque.resize(2 * count + 3, start);
+        }
         // `low` is the left end of the funnel, `high` the right one, `apex` between them.
         let mut funnel = Span { low: count + 1, apex: count + 1, high: count + 1 };
+        self.deque[funnel.apex] = start;
         let mut last = [START, START];
-        self.reach = unfolding.start.abs().max_element();
+        let mut reach = unfolding.start.abs().max_element();
         for &portal in &unfolding.portals {
             for side in [0, 1] {
                 let end = portal[side];
@@ -59,19 +71,20 @@ impl Funnel {
                     continue;
                 }
                 last[side] = end;
-                self.reach = self.reach.max(at(end).abs().max_element());
-                let parent = self.shrink(&mut funnel, side, at(end), at);
-                self.parents[end as usize] = parent;
+                let at = unfolding.ends[end as usize].at;
+                reach = reach.max(at.abs().max_element());
+                self.near = GRAZE * reach;
+                self.parents[end as usize] = self.shrink(&mut funnel, side, at);
                 if side == 0 {
                     funnel.low -= 1;
-                    self.deque[funnel.low] = end;
+                    self.deque[funnel.low] = Held { at, end };
                 } else {
                     funnel.high += 1;
-                    self.deque[funnel.high] = end;
+                    self.deque[funnel.high] = Held { at, end };
                 }
             }
         }
-        let mut corner = self.shrink(&mut funnel, 0, unfolding.end, at);
+        let mut corner = self.shrink(&mut funnel, 0, unfolding.end);
         while corner != START {
             self.corners.push(corner);
             corner = self.parents[corner as usize];
@@ -80,65 +93,70 @@ impl Funnel {
     }
 
     /// Pops what a line to `point`, coming from side `side` (0 left, 1 right), does not touch; returns what it touches last.
-    fn shrink(&self, funnel: &mut Span, side: usize, point: DVec2, at: impl Fn(u32) -> DVec2) -> u32 {
+    #[inline]
+    fn shrink(&self, funnel: &mut Span, side: usize, point: DVec2) -> u32 {
+        let deque = self.deque.as_slice();
         // For the left end: a chain turns left only, and the line to `point` must too. The right end is its mirror image.
-        let sign = if side == 0 { 1.0 } else { -1.0 };
-        let turn = |last: u32, way_in: Option<DVec2>| way_in.is_some_and(|way| turns(sign, way, point - at(last)));
-        let turn_low = |low: usize, apex: usize| {
-            let last = self.deque[low];
-            turn(last, self.way_in(at(last), self.deque[low + 1..=apex].iter().map(|&end| at(end))))
-        };
-        let turn_high = |apex: usize, high: usize| {
-            let last = self.deque[high];
-            turn(last, self.way_in(at(last), self.deque[apex..high].iter().rev().map(|&end| at(end))))
-        };
+        let turn =
+            |sign: f64, last: DVec2, way_in: Option<DVec2>| way_in.is_some_and(|way| turns(sign, way, point - last));
         if side == 0 {
-            while funnel.low < funnel.apex && !turn_low(funnel.low, funnel.apex) {
+            while funnel.low < funnel.apex {
+                let last = deque[funnel.low].at;
+                if turn(1.0, last, self.way_in(last, deque[funnel.low + 1..=funnel.apex].iter())) {
+                    break;
+                }
                 funnel.low += 1;
             }
             if funnel.low == funnel.apex {
                 while funnel.apex < funnel.high
-                    && self.passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex + 1]), point)
+                    && self.passes(1.0, deque[funnel.apex].at, deque[funnel.apex + 1].at, point)
                 {
                     funnel.apex += 1;
                 }
                 funnel.low = funnel.apex;
             }
-            self.deque[funnel.low]
+            deque[funnel.low].end
         } else {
-            while funnel.high > funnel.apex && !turn_high(funnel.apex, funnel.high) {
+            while funnel.high > funnel.apex {
+                let last = deque[funnel.high].at;
+                if turn(-1.0, last, self.way_in(last, deque[funnel.apex..funnel.high].iter().rev())) {
+                    break;
+                }
                 funnel.high -= 1;
             }
             if funnel.high == funnel.apex {
                 while funnel.apex > funnel.low
-                    && self.passes(sign, at(self.deque[funnel.apex]), at(self.deque[funnel.apex - 1]), point)
+                    && self.passes(-1.0, deque[funnel.apex].at, deque[funnel.apex - 1].at, point)
                 {
                     funnel.apex -= 1;
                 }
                 funnel.high = funnel.apex;
             }
-            self.deque[funnel.high]
+            deque[funnel.high].end
         }
     }
 
     /// The way to `here` along a chain, of which the ends before it come last first. Ends in one place say nothing of it: it
     /// comes from the last one elsewhere. `None` where there is none, not even the apex: then the chain adds nothing to it.
-    fn way_in(&self, here: DVec2, before: impl Iterator<Item = DVec2>) -> Option<DVec2> {
-        let mut ways = before.map(|end| here - end);
+    #[inline]
+    fn way_in<'a>(&self, here: DVec2, before: impl Iterator<Item = &'a Held>) -> Option<DVec2> {
+        let mut ways = before.map(|held| here - held.at);
         ways.find(|&way| !self.is_rounding(way))
     }
 
     /// Whether the line from `apex` to `point`, a new left end (`sign` 1), runs on the far side of `corner`, the first of the
     /// right chain, or grazes it, as it does one in the apex's own place; the mirror image for `sign` -1. A point in the apex's
     /// own place is nowhere behind it.
+    #[inline]
     fn passes(&self, sign: f64, apex: DVec2, corner: DVec2, point: DVec2) -> bool {
         let (to_corner, to_point) = (corner - apex, point - apex);
         !self.is_rounding(to_point) && (self.is_rounding(to_corner) || turns(-sign, to_corner, to_point))
     }
 
     /// Whether rounding alone parts two ends that are `way` apart: such ends are in one place.
+    #[inline]
     fn is_rounding(&self, way: DVec2) -> bool {
-        way.abs().max_element() <= GRAZE * self.reach
+        way.abs().max_element() <= self.near
     }
 }
 
@@ -151,6 +169,7 @@ struct Span {
 
 /// Whether `v` turns to the left of `u` (`sign` 1; to the right for -1) or goes on as `u` does, to rounding. A way straight
 /// back is neither: it is what both ends of a portal are for a point on it, which sees the whole of what lies ahead.
+#[inline]
 fn turns(sign: f64, u: DVec2, v: DVec2) -> bool {
     let turn = sign * u.perp_dot(v);
     // Lengths are no more than these sums, and nearly all turns are plain by them, without roots.
