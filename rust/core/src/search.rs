@@ -31,6 +31,10 @@ const LANDMARK_TRIANGLES: usize = 4_000;
 /// choosing costs about what was spent by then, so that never having chosen would have cost half as much at worst.
 const POPS_BEFORE_LANDMARKS: u64 = 16;
 
+/// A search that has taken this many triangles without an end turns to the landmarks: near picks are found before, and need
+/// not have bounds prepared for each of the triangles round the goal, which costs as much as ten pops.
+const POPS_BEFORE_AIM: u64 = 12;
+
 /// Rounding of a sum of some ten thousand weights, as a share of it.
 const COST_ROUNDING: f64 = 1e-11;
 
@@ -276,9 +280,8 @@ fn search(
     let (open, closed) = (*stamp, *stamp + 1);
     let goals: Vec<u32> = to.triangles.iter().map(|t| nodes.node(*t)).collect();
     let straight = |id: u32| nodes.position(id).distance(to.anchor);
-    let aim: Option<(&Landmarks, Aim)> =
-        landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
-    let rest = |id: u32, straight: f64| match &aim {
+    let mut aim: Option<(&Landmarks, Aim)> = None;
+    let rest = |aim: &Option<(&Landmarks, Aim)>, id: u32, straight: f64| match aim {
         Some((landmarks, aim)) => straight.max(landmarks.bound(id, aim)),
         None => straight,
     };
@@ -286,7 +289,7 @@ fn search(
         let id = nodes.node(*source);
         let cost = nodes.position(id).distance(from.anchor);
         visits[id as usize] = Visit { cost, via: NONE, stamp: open };
-        queue.push(cost + rest(id, straight(id)), id.into());
+        queue.push(cost + straight(id), id.into());
     }
     let mut best: Option<(f64, u32)> = None;
     let mut pops = 0u64;
@@ -304,6 +307,10 @@ fn search(
         visit.stamp = closed;
         let cost = visit.cost;
         pops += 1;
+        if pops == POPS_BEFORE_AIM {
+            // Bounds may rise on the way: a record that was closed too early for it is opened again.
+            aim = landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
+        }
         if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
             return Err(Error::Interrupted);
         }
@@ -333,7 +340,7 @@ fn search(
             // then it is opened again.
             if !is_known || new_cost < visit.cost {
                 *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
-                queue.push(new_cost + rest(next, next_position.distance(to.anchor)), next.into());
+                queue.push(new_cost + rest(&aim, next, next_position.distance(to.anchor)), next.into());
             } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
                 let place = |via: u32| (nodes.place(via / 3), via % 3);
                 let via = 3 * id + side as u32;

@@ -77,7 +77,6 @@ pub fn smooth_input(
         Some(note) => note.start,
         None => LegStart::of_leg(mesh, &route, i),
     };
-    go_on(observer, Step::Search)?;
     let starts: Vec<LegStart> = known.iter().enumerate().map(start_of).collect();
     go_on(observer, Step::Search)?;
     if options.filter != Filter::None {

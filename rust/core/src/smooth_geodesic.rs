@@ -85,11 +85,13 @@ fn straighten_or_shake(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<Finish> {
-    go_on(observer, Step::Relax)?;
     let mut finish = straighten(mesh, route, own_repeats, bounds, work, report, observer)?;
+    if !matches!(finish, Finish::Cycling) {
+        return Ok(finish);
+    }
     let length_of_route = |route: &Route| points_of(mesh, route).map_or(0.0, |points| length_of(&points, route.closed));
     go_on(observer, Step::VertexPass)?;
-    let mut length = if matches!(finish, Finish::Cycling) { length_of_route(route) } else { 0.0 };
+    let mut length = length_of_route(route);
     for _ in 0..MOST_RUNS {
         if !matches!(finish, Finish::Cycling) {
             break;
@@ -133,6 +135,7 @@ fn straighten(
             return Ok(finish);
         }
         let cuts = own_repeats.cut_new_loops(mesh, route);
+        go_on(observer, Step::VertexPass)?;
         report.loops_removed += cuts;
         if cuts == 0 || report.iterations >= limit {
             return Ok(finish);
@@ -259,6 +262,7 @@ fn smooth_loop(
     report: &mut Report,
     observer: &mut dyn Observer,
 ) -> Result<Finish> {
+    go_on(observer, Step::Relax)?;
     let word = std::mem::take(&mut route.legs[0].word);
     let shape = Route { closed: true, pins: Vec::new(), legs: Vec::new() };
     let mut is_limited = false;

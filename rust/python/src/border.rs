@@ -18,6 +18,8 @@ use crate::threads::pool;
 
 /// Longest time between two looks at Python's signals: Ctrl-C has to stop a run within 0.2 s.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
+/// The same.
+const SIGNAL_INTERVAL_NANOS: u64 = SIGNAL_INTERVAL.as_nanos() as u64;
 
 /// Points of lines from which on work on them may take a tenth of a second.
 const LONG_POINTS: usize = 50_000;
@@ -146,10 +148,12 @@ impl Seconds {
     }
 }
 
-/// Keeps the time of each step.
+/// Keeps the time of each step. Near lines take a few microseconds and ten steps: so one reading of the clock a step, and
+/// nanoseconds in one number.
 struct StepClock {
     begun: Instant,
-    current: Option<(Step, Instant)>,
+    /// The current step, and when it began, in nanoseconds after `begun`.
+    current: Option<(Step, u64)>,
     seconds: Seconds,
 }
 
@@ -158,14 +162,22 @@ impl StepClock {
         Self { begun: Instant::now(), current: None, seconds: Seconds::default() }
     }
 
-    fn begin(&mut self, step: Step, now: Instant) {
-        self.close_step(now);
-        self.current = Some((step, now));
+    /// Nanoseconds since the start.
+    fn now(&self) -> u64 {
+        self.begun.elapsed().as_nanos() as u64
     }
 
-    fn close_step(&mut self, now: Instant) {
+    fn begin(&mut self, step: Step, now: u64) {
+        // A step that goes on is not closed.
+        if self.current.is_none_or(|(current, _)| current != step) {
+            self.close_step(now);
+            self.current = Some((step, now));
+        }
+    }
+
+    fn close_step(&mut self, now: u64) {
         if let Some((step, since)) = self.current.take() {
-            let elapsed = now - since;
+            let elapsed = Duration::from_nanos(now - since);
             match step {
                 Step::Search => self.seconds.search += elapsed,
                 Step::Relax => self.seconds.relax += elapsed,
@@ -176,9 +188,9 @@ impl StepClock {
     }
 
     fn stop(&mut self) -> Seconds {
-        let now = Instant::now();
+        let now = self.now();
         self.close_step(now);
-        self.seconds.total = now - self.begun;
+        self.seconds.total = Duration::from_nanos(now);
         self.seconds
     }
 }
@@ -195,7 +207,8 @@ enum Ended {
 pub struct Watch {
     clock: StepClock,
     limits: Limits,
-    looked: Instant,
+    /// When it looked at signals last, by its clock.
+    looked: u64,
     ended: Option<Ended>,
 }
 
@@ -207,8 +220,7 @@ impl Watch {
 
     /// A watch that starts now.
     pub fn start_within(limits: Limits) -> Self {
-        let clock = StepClock::start();
-        Self { looked: clock.begun, clock, limits, ended: None }
+        Self { clock: StepClock::start(), limits, looked: 0, ended: None }
     }
 
     /// The times of a call that has ended.
@@ -233,7 +245,7 @@ impl Watch {
 
     /// Lets Python's signal handlers run and looks at the limits; a break when the work shall end.
     fn look(&mut self) -> ControlFlow<()> {
-        if self.is_time_up(Instant::now()) {
+        if self.is_time_up(self.clock.now()) {
             return self.end(Ended::Limit(Limit::Time));
         }
         let is_stopped = Python::try_attach(|py| {
@@ -249,8 +261,8 @@ impl Watch {
         }
     }
 
-    fn is_time_up(&self, now: Instant) -> bool {
-        self.limits.time.is_some_and(|time| now - self.clock.begun >= time)
+    fn is_time_up(&self, now: u64) -> bool {
+        self.limits.time.is_some_and(|time| u128::from(now) >= time.as_nanos())
     }
 
     fn end(&mut self, why: Ended) -> ControlFlow<()> {
@@ -261,9 +273,9 @@ impl Watch {
 
 impl Observer for Watch {
     fn step(&mut self, step: Step) -> ControlFlow<()> {
-        let now = Instant::now();
+        let now = self.clock.now();
         self.clock.begin(step, now);
-        if now - self.looked >= SIGNAL_INTERVAL || self.is_time_up(now) {
+        if now - self.looked >= SIGNAL_INTERVAL_NANOS || self.is_time_up(now) {
             self.looked = now;
             return self.look();
         }
@@ -291,7 +303,8 @@ impl<'a> LineWatch<'a> {
 
 impl Observer for LineWatch<'_> {
     fn step(&mut self, step: Step) -> ControlFlow<()> {
-        self.clock.begin(step, Instant::now());
+        let now = self.clock.now();
+        self.clock.begin(step, now);
         if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
