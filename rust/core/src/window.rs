@@ -46,10 +46,10 @@ pub struct FlatTriangle {
 }
 
 impl FlatTriangle {
-    /// The triangle with the edge from `a` to `b` and the apex `c`.
-    pub fn new(a: DVec3, b: DVec3, c: DVec3) -> Self {
+    /// The triangle with the edge from `a` to `b`, of length `base`, and the apex `c`.
+    #[inline]
+    pub fn new([a, b, c]: [DVec3; 3], base: f64) -> Self {
         let (edge, side) = (b - a, c - a);
-        let base = edge.length();
         // An edge without length leaves the direction free: every line passes its point.
         let apex = if base == 0.0 {
             DVec2::new(0.0, side.length())
@@ -87,6 +87,7 @@ impl Window {
     }
 
     /// The window on the side of `triangle` from the first end of its edge to the apex, in that direction.
+    #[inline]
     pub fn behind_first_side(&self, triangle: &FlatTriangle) -> Self {
         let (DVec2 { x: cx, y: cy }, side) = (triangle.apex, triangle.first_side);
         if triangle.base == 0.0 || side == 0.0 {
@@ -147,6 +148,10 @@ mod tests {
     const B: DVec3 = DVec3::X;
     const C: DVec3 = DVec3::new(0.5, 1.0, 0.0);
 
+    fn flat(a: DVec3, b: DVec3, c: DVec3) -> FlatTriangle {
+        FlatTriangle::new([a, b, c], a.distance(b))
+    }
+
     fn length_to(window: &Window, along: f64, off: f64) -> f64 {
         window.lengths_to(along, off).iter().sum()
     }
@@ -157,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_source_sees_both_sides_up_to_the_apex() {
-        let triangle = FlatTriangle::new(A, B, C);
+        let triangle = flat(A, B, C);
         let window = Window::whole(DVec3::new(0.5, -1.0, 0.0), A, B, 1.0);
         for (triangle, window) in [(triangle, window), (triangle.mirrored(), window.reversed(1.0))] {
             let side = window.behind_first_side(&triangle);
@@ -170,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_narrow_view_hits_one_side_and_bends_to_the_other() {
-        let triangle = FlatTriangle::new(A, B, C);
+        let triangle = flat(A, B, C);
         let window = Window { x: 0.2, y: 1.0, behind: 3.0, low: 0.1, high: 0.2 };
         // The ray through 0.2 is upright and crosses the first side, y = 2x, at (0.2, 0.4).
         let seen = window.behind_first_side(&triangle);
@@ -195,9 +200,9 @@ mod tests {
     #[test]
     fn triangles_without_area_or_edges_without_length_give_numbers() {
         let window = Window { x: 0.3, y: 1.0, behind: 0.0, low: 0.0, high: 1.0 };
-        let needle = FlatTriangle::new(A, B, DVec3::new(0.25, 0.0, 0.0));
-        let point_edge = FlatTriangle::new(A, A, C);
-        let point_side = FlatTriangle::new(A, B, A);
+        let needle = flat(A, B, DVec3::new(0.25, 0.0, 0.0));
+        let point_edge = flat(A, A, C);
+        let point_side = flat(A, B, A);
         for triangle in
             [needle, needle.mirrored(), point_edge, point_edge.mirrored(), point_side, point_side.mirrored()]
         {

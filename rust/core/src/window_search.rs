@@ -63,14 +63,17 @@ struct View {
     parent: u32,
 }
 
+/// A window that waits, in the direction of its edge from the end with the lower vertex id, and the length of the edge.
+type Waiting = (Window, f64);
+
 #[derive(Debug, Default)]
 struct Scratch {
     entries: Vec<Entry>,
     /// All windows so far, in the order in which they were made: what is left of them once they have gone on.
     views: Vec<View>,
-    /// The windows that wait, each in the direction of its edge from the end with the lower vertex id; and free places among
-    /// them. So few wait at a time that a search needs a third of the memory that keeping all of them would take.
-    windows: Vec<Window>,
+    /// The windows that wait, and free places among them. So few wait at a time that a search needs a third of the memory
+    /// that keeping all of them would take.
+    windows: Vec<Waiting>,
     free: Vec<u32>,
     /// Of views and windows, packed by [`pack`].
     queue: Queue,
@@ -215,7 +218,7 @@ impl Search<'_> {
         while let Some((_, item)) = self.scratch.queue.pop() {
             let (id, slot) = unpack(item);
             let View { entered, .. } = self.scratch.views[id as usize];
-            let window = self.scratch.windows[slot as usize];
+            let (window, base) = self.scratch.windows[slot as usize];
             self.scratch.free.push(slot);
             let (_, stamp) = &mut self.scratch.entries[self.graph.entry_of(entered)];
             if *stamp == closed {
@@ -239,11 +242,11 @@ impl Search<'_> {
                 ([a, b], [entered.previous(), entered.next()])
             };
             let [at_a, at_b, at_c] = [a, b, c].map(|v| mesh.position(v));
-            let triangle = FlatTriangle::new(at_a, at_b, at_c);
+            let triangle = FlatTriangle::new([at_a, at_b, at_c], base);
             let exit = Exit { letter: to_a, ends: [a, c], places: [at_a, at_c], length: triangle.first_side };
             self.push(&exit, id, || window.behind_first_side(&triangle));
             let exit = Exit { letter: to_b, ends: [b, c], places: [at_b, at_c], length: triangle.second_side };
-            self.push(&exit, id, || window.reversed(triangle.base).behind_first_side(&triangle.mirrored()));
+            self.push(&exit, id, || window.reversed(base).behind_first_side(&triangle.mirrored()));
         }
         Ok(None)
     }
@@ -267,14 +270,14 @@ impl Search<'_> {
         }
         *known = (estimate as f32, *stamp);
         let is_upward = exit.ends[0] < exit.ends[1];
-        let window = if is_upward { window } else { window.reversed(exit.length) };
+        let waiting = (if is_upward { window } else { window.reversed(exit.length) }, exit.length);
         let slot = match free.pop() {
             Some(slot) => {
-                windows[slot as usize] = window;
+                windows[slot as usize] = waiting;
                 slot
             }
             None => {
-                windows.push(window);
+                windows.push(waiting);
                 windows.len() as u32 - 1
             }
         };
