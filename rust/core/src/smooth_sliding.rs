@@ -62,10 +62,12 @@ pub fn smooth_sliding(
     // The line before the last passes, when Newton had brought it to rest.
     let mut settled: Option<Route> = None;
     let mut own_repeats = OwnRepeats::of_route(mesh, route);
+    go_on(observer, Step::Relax)?;
     loop {
         trim_legs(mesh, route);
         go_on(observer, Step::Relax)?;
         let mut beads = Beads::of_route(mesh, route);
+        go_on(observer, Step::Relax)?;
         let is_newton = by_newton && settle_by_newton(&mut beads, filter, report, observer)?;
         if let (true, false, Some(before)) = (by_newton, is_newton, settled.take()) {
             // The passes of the last round lead to a strip on which the line does not come to rest: without them.
@@ -96,6 +98,7 @@ pub fn smooth_sliding(
             outcome.end
         };
         beads.write_to(route, &mut is_open);
+        go_on(observer, Step::Relax)?;
         route.snap_to_vertices(mesh);
         if is_finer {
             // The same step C goes on.

@@ -6,9 +6,11 @@
 mod support;
 
 use std::fmt::Write;
+use std::ops::ControlFlow;
 
 use glam::DVec3;
-use smooth_polylines_core::{Options, Pick, Report, SurfaceMesh};
+use smooth_polylines_core::stroke::{StrokePoints, stroke};
+use smooth_polylines_core::{Filter, Observer, Options, Pick, Report, Step, SurfaceMesh};
 use support::shapes::{self, Shape};
 use support::{all_pinned, closed, cubic, faces, fair, files, geodesic, heap, line};
 
@@ -199,6 +201,42 @@ fn lines_on_a_scan() {
             ("fair, closed and pinned", [14, 0, 1390, 6718, 1168, 26]),
         ],
     );
+}
+
+/// Asks nothing and counts how often it is asked.
+#[derive(Default)]
+struct Looks(u64);
+
+impl Observer for Looks {
+    fn step(&mut self, _: Step) -> ControlFlow<()> {
+        self.0 += 1;
+        ControlFlow::Continue(())
+    }
+}
+
+/// A loop over all crossings that forgets to look costs a hundred looks here, and a tenth of a second on a line of a million.
+#[test]
+fn long_strokes_are_made_with_so_many_looks_at_limits() {
+    let shape = terrain(250);
+    let mesh = shape.mesh();
+    let place = |i: usize| [0.02 + 0.96 * f64::from(i as u32 % 2), 0.02 + 0.96 * i as f64 / 399.0];
+    let drawn = StrokePoints::Space((0..400).map(place).map(|[x, y]| DVec3::new(x, y, 0.0)).collect());
+    let mut differences = String::new();
+    for (way, pinned) in [("none", 1296), ("fair", 4085), ("geodesic", 300), ("linear", 1000), ("cubic", 350)] {
+        let options = match way {
+            "none" => Options { filter: Filter::None, ..Options::default() },
+            _ => Options { max_iterations: Some(1), ..options_of(way) },
+        };
+        let mut looks = Looks::default();
+        let line = stroke(&mesh, &drawn, &options, &mut looks).expect("the stroke lies on the surface");
+        assert!(way == "linear" || way == "geodesic" || line.points.len() > 80_000, "{way}: {}", line.points.len());
+        // What the solvers of the last three do changes more often than what all strokes go through.
+        let is_enough = if matches!(way, "none" | "fair") { looks.0 == pinned } else { looks.0 >= pinned };
+        if !is_enough {
+            writeln!(differences, "(\"{way}\", {}), // pinned: {pinned}", looks.0).expect("a string takes all");
+        }
+    }
+    assert!(differences.is_empty(), "{differences}");
 }
 
 /// Triangles round the middle of a mesh, at even places of a square in the plane of its y and z axes.

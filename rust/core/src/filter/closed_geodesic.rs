@@ -80,6 +80,7 @@ pub fn straighten_loop(
             }
             Loop::Anchored(anchored) => {
                 let mut pauses = Pauses::new(observer, Step::VertexPass);
+                pauses.pause()?;
                 // Where edges have no length, no side of an anchor need be the better one, and anchors take turns for ever.
                 let is_last = !seen.insert((anchored.vertex, anchored.word.clone()));
                 match relax_anchored(mesh, anchored, is_last, work, report, &mut pauses, &mut on_round)? {
@@ -103,7 +104,9 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
     let [low, high] = mesh.sorted_ends(first);
     let (low_at, high_at) = (mesh.position(low), mesh.position(high));
     let mut unfolding = Unfolding::default();
+    pauses.ticks(rest.len())?;
     unfolding.unfold(mesh, low_at, rest, low_at);
+    pauses.ticks(rest.len())?;
     let [start_low, end_low] = [unfolding.start, unfolding.end];
     let (start_high, end_high) = {
         let [a, b] = unfolding.portals[0].map(|e| unfolding.ends[e as usize]);
@@ -145,6 +148,7 @@ fn relax_loop(mesh: &SurfaceMesh, mut word: Vec<HalfedgeId>, report: &mut Report
             (corners, slope) = go_round(&mut unfolding, s);
         }
     }
+    pauses.ticks(rest.len())?;
     let longest = word.iter().map(|&h| edge_length(mesh, h)).fold(0.0, f64::max);
     if corners.is_empty() {
         if unfolding.start.distance(unfolding.end) <= COLLAPSED_LENGTH * longest {
@@ -197,6 +201,7 @@ fn relax_anchored(
     while solver.is_active() && may_go_on && is_held {
         pauses.pause()?;
         solver.advance(mesh, work, report, pauses)?;
+        pauses.pause()?;
         let (leg, turn) = whole(&solver, work);
         // Without a turn the line goes by the anchor: from here on it would only be held back there.
         is_held = !turn.is_empty();

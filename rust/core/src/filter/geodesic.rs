@@ -73,8 +73,13 @@ impl GeodesicLeg {
         pauses: &mut Pauses,
     ) -> Result<Self> {
         let anchor = |p: &SurfacePoint| Anchor { position: mesh.position_of(p), spot: spot_of(mesh, p) };
+        let is_long = leg.word.len() > LONG_STRETCH;
+        let mut pause = || if is_long { pauses.pause() } else { Ok(()) };
+        pause()?;
+        let chain = Chain::new(leg.first, &leg.word);
+        pause()?;
         let mut this = Self {
-            chain: Chain::new(leg.first, &leg.word),
+            chain,
             start: anchor(start),
             end: anchor(end),
             active: Vec::new(),
@@ -183,6 +188,9 @@ impl GeodesicLeg {
     ) -> Result<()> {
         work.unfolded = None;
         self.chain.stretch(from, to, &mut work.links, &mut work.letters);
+        let is_long = work.letters.len() > LONG_STRETCH;
+        let mut pause = || if is_long { pauses.pause() } else { Ok(()) };
+        pause()?;
         let kept = self.trim(mesh, from, to, &work.letters);
         work.links.truncate(kept.end);
         work.links.drain(..kept.start);
@@ -195,16 +203,13 @@ impl GeodesicLeg {
             return Ok(());
         }
         report.funnels += 1;
-        let is_long = work.letters.len() > LONG_STRETCH;
-        let mut pause = || if is_long { pauses.pause() } else { Ok(()) };
         pause()?;
         work.unfolding.unfold(mesh, a, &work.letters, b);
         work.unfolded = Some([a, b]);
         pause()?;
         work.funnel.run(&work.unfolding);
         pause()?;
-        self.place_corners(mesh, from, to, work);
-        Ok(())
+        self.place_corners(mesh, from, to, work, pauses)
     }
 
     /// Letters next to an end of a stretch that touch it are crossed there: a corner takes them into its run, a pin
@@ -265,13 +270,21 @@ impl GeodesicLeg {
     }
 
     /// Makes corners of what the funnel found, and measures the angles at all corners of the stretch.
-    fn place_corners(&mut self, mesh: &SurfaceMesh, from: u32, to: u32, work: &Workspace) {
+    fn place_corners(
+        &mut self,
+        mesh: &SurfaceMesh,
+        from: u32,
+        to: u32,
+        work: &Workspace,
+        pauses: &mut Pauses,
+    ) -> Result<()> {
         let unfolding = &work.unfolding;
         let at = |end: u32| unfolding.ends[end as usize].at;
         // Runs first, as a letter that two corners share goes to the earlier one.
         let mut runs: Vec<(u32, u32, u32)> = Vec::with_capacity(work.funnel.corners.len());
         let mut free = 0;
         for &end in &work.funnel.corners {
+            pauses.tick()?;
             let portal_end = unfolding.ends[end as usize];
             let (first, last) = (portal_end.first.max(free), portal_end.last);
             if first <= last {
@@ -287,6 +300,7 @@ impl GeodesicLeg {
         let mut corner = from;
         let mut came_from = unfolding.start;
         for (i, &(end, first, last)) in runs.iter().enumerate() {
+            pauses.tick()?;
             let vertex = unfolding.ends[end as usize].vertex;
             let id = self.chain.insert_corner(corner, vertex, work.links[first as usize], work.links[last as usize]);
             self.chain.set_angle_in(id, planar_angle(at(end), at(unfolding.other_end(first, end)), came_from));
@@ -300,6 +314,7 @@ impl GeodesicLeg {
             let last = unfolding.portals.len() - 1;
             self.chain.set_angle_in(to, planar_angle(unfolding.end, portal_place(unfolding, last, far), came_from));
         }
+        Ok(())
     }
 
     /// The straightened leg with its parameters, and the vertices that it runs through.

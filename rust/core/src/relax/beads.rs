@@ -37,7 +37,14 @@ pub struct Beads {
 impl Beads {
     /// All crossings and pins of a route.
     pub fn of_route(mesh: &SurfaceMesh, route: &Route) -> Self {
-        let mut beads = Self { closed: route.closed, ..Self::default() };
+        let count = route.pins.len() + route.legs.iter().map(|leg| leg.word.len()).sum::<usize>();
+        let mut beads = Self {
+            edges: Vec::with_capacity(count),
+            parameters: Vec::with_capacity(count),
+            positions: Vec::with_capacity(count),
+            is_fixed: Vec::with_capacity(count),
+            closed: route.closed,
+        };
         for k in 0..route.pins.len().max(route.legs.len()) {
             if let Some(pin) = route.pins.get(k) {
                 beads.push_fixed(mesh.position_of(pin));
