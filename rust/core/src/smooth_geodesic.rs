@@ -163,30 +163,34 @@ fn snap_shaken(mesh: &SurfaceMesh, route: &mut Route) {
 fn straighten_between_vertices(mesh: &SurfaceMesh, route: &mut Route) {
     let ends = |i: usize| Some([route.start_pin(i)?, route.end_pin(i)?].map(|pin| mesh.position_of(pin)));
     let ends: Vec<_> = (0..route.legs.len()).map(ends).collect();
-    let (mut unfolding, mut straight) = (Unfolding::default(), Vec::new());
+    let (mut unfolding, mut word, mut straight) = (Unfolding::default(), Vec::new(), Vec::new());
     for (leg, ends) in route.legs.iter_mut().zip(ends) {
         let at_vertex = |i: usize| [0.0, 1.0].contains(&leg.parameters[i]);
         let bounds: Vec<usize> = (0..leg.word.len()).filter(|&i| at_vertex(i)).collect();
         let place = |i: usize| crossing_position(mesh, leg.word[i], leg.parameters[i]);
-        // From each vertex to the next, and from and to the pins; of a loop not what runs across its seam.
+        let count = leg.word.len();
+        // From each vertex to the next, and from and to the pins; of a loop on beyond its last letter, across the seam.
         let mut stretches: Vec<_> =
             bounds.windows(2).map(|pair| (pair[0] + 1..pair[1], place(pair[0]), place(pair[1]))).collect();
         match (ends, bounds.first(), bounds.last()) {
             (Some([start, end]), Some(&first), Some(&last)) => {
                 stretches.push((0..first, start, place(first)));
-                stretches.push((last + 1..leg.word.len(), place(last), end));
+                stretches.push((last + 1..count, place(last), end));
             }
-            (Some([start, end]), ..) => stretches.push((0..leg.word.len(), start, end)),
+            (Some([start, end]), ..) => stretches.push((0..count, start, end)),
+            (None, Some(&first), Some(&last)) => stretches.push((last + 1..count + first, place(last), place(first))),
             (None, ..) => {}
         }
         for (letters, start, end) in stretches {
             straight.clear();
-            unfolding.unfold(mesh, start, &leg.word[letters.clone()], end);
-            cross_straight(mesh, &unfolding, &leg.word[letters.clone()], &mut straight);
-            let is_near = |(t, s): (&f64, &f64)| (t - s).abs() <= NEAR_SHARE;
+            word.clear();
+            word.extend(letters.clone().map(|i| leg.word[i % count]));
+            unfolding.unfold(mesh, start, &word, end);
+            cross_straight(mesh, &unfolding, &word, &mut straight);
+            let is_near = |(i, s): (usize, &f64)| (leg.parameters[i % count] - s).abs() <= NEAR_SHARE;
             // Across an edge without length the strip unfolds in no one way.
-            if leg.parameters[letters.clone()].iter().zip(&straight).all(is_near) {
-                leg.parameters[letters].copy_from_slice(&straight);
+            if letters.clone().zip(&straight).all(is_near) {
+                letters.zip(&straight).for_each(|(i, &s)| leg.parameters[i % count] = s);
             }
         }
     }
@@ -285,4 +289,41 @@ fn smooth_loop(
 /// Points of a route, for the stages; `None` never happens for routes that a filter made.
 pub fn points_of(mesh: &SurfaceMesh, route: &Route) -> Option<Vec<DVec3>> {
     Polyline::outline(mesh, route).map(|(points, _)| points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ids::TriangleId;
+
+    /// A ring of `count` letters, one for each spoke of vertex 0 in the plane, the rim at distance 1.
+    fn ring(count: u32) -> (SurfaceMesh, Route) {
+        let turn = |i: u32| f64::from(i) * std::f64::consts::TAU / f64::from(count);
+        let rim = (0..count).map(|i| DVec3::new(turn(i).cos(), turn(i).sin(), 0.0));
+        let positions = std::iter::once(DVec3::ZERO).chain(rim).collect();
+        let triangles = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
+        let mesh = SurfaceMesh::new(positions, triangles, None).expect("legal");
+        // Triangle i lies between spokes i and i + 1; letter i crosses spoke i out of triangle i - 1.
+        let word: Vec<_> = (0..count).map(|i| TriangleId((i + count - 1) % count).halfedge(2)).collect();
+        let leg = Leg { first: word[0].triangle(), parameters: vec![0.5; word.len()], word };
+        (mesh, Route { closed: true, pins: Vec::new(), legs: vec![leg] })
+    }
+
+    #[test]
+    fn a_loop_is_straight_between_its_vertices_across_its_seam_too() {
+        let (mesh, mut route) = ring(12);
+        // Through the rim at spokes 10 and 2, and straight between them, but for what shaking leaves.
+        let straight = [(11, 0.5 / 0.75_f64.sqrt()), (0, 0.5), (1, 0.5 / 0.75_f64.sqrt())];
+        let parameters = &mut route.legs[0].parameters;
+        (parameters[2], parameters[10]) = (1.0, 1.0);
+        straight.into_iter().zip([1e-8, -3e-8, 2e-8]).for_each(|((i, t), off)| parameters[i] = t + off);
+        let before = parameters.clone();
+        straighten_between_vertices(&mesh, &mut route);
+        let after = &route.legs[0].parameters;
+        for (i, t) in straight {
+            assert!((after[i] - t).abs() < 1e-15, "letter {i} at {} of {t}", after[i]);
+        }
+        // Round the vertex there is no straight way from spoke 2 to spoke 10.
+        assert_eq!(after[2..=10], before[2..=10]);
+    }
 }
