@@ -80,5 +80,11 @@ mod tests {
         let done = (0..10 * UNITS_PER_PAUSE).take_while(|_| pauses.tick().is_ok()).count() as u32;
         assert_eq!((done, observer.0), (3 * UNITS_PER_PAUSE - 1, 3));
         assert_eq!(Pauses::new(&mut Counter(2), Step::Relax).pause(), Err(Error::Interrupted));
+        // Several units at once: never more than were left without being asked.
+        let mut observer = Counter(2);
+        let mut pauses = Pauses::new(&mut observer, Step::Relax);
+        assert_eq!(pauses.ticks(UNITS_PER_PAUSE as usize - 1), Ok(()));
+        assert_eq!(pauses.ticks(1), Err(Error::Interrupted));
+        assert_eq!(Pauses::new(&mut Counter(2), Step::Relax).ticks(usize::MAX), Err(Error::Interrupted));
     }
 }

@@ -11,6 +11,8 @@
 //! Which side is left follows from walking, not from winding: a mesh with inconsistent winding unfolds as well. Holds
 //! no optimisation.
 
+use std::convert::Infallible;
+
 use glam::{DVec2, DVec3};
 
 use crate::ids::{HalfedgeId, VertexId};
@@ -28,6 +30,9 @@ pub struct PortalEnd {
     /// Last letter that it is an end of.
     pub last: u32,
 }
+
+/// Letters that are unfolded in less than a millisecond.
+const LETTERS_PER_LOOK: u32 = 1 << 13;
 
 /// A strip in the plane. Kept between uses for its memory.
 #[derive(Clone, Debug, Default)]
@@ -48,13 +53,28 @@ impl Unfolding {
     /// Lengths inside each triangle are kept to rounding; the frame is arbitrary (the first portal lies on the x axis
     /// and the walk goes up). At an edge of zero length the direction is free, since every line must pass that point.
     pub fn unfold(&mut self, mesh: &SurfaceMesh, start: DVec3, word: &[HalfedgeId], end: DVec3) {
+        self.unfold_while(mesh, start, word, end, || Ok::<_, Infallible>(())).unwrap_or_else(|never| match never {});
+    }
+
+    /// As [`Unfolding::unfold`]; `look` is called once in so many letters, and may end the work with an error.
+    ///
+    /// # Errors
+    /// Those of `look`.
+    pub fn unfold_while<E>(
+        &mut self,
+        mesh: &SurfaceMesh,
+        start: DVec3,
+        word: &[HalfedgeId],
+        end: DVec3,
+        mut look: impl FnMut() -> Result<(), E>,
+    ) -> Result<(), E> {
         self.ends.clear();
         self.portals.clear();
         self.ends.reserve(word.len() + 1);
         self.portals.reserve(word.len());
         let Some(&first) = word.first() else {
             (self.start, self.end) = (DVec2::ZERO, DVec2::new(start.distance(end), 0.0));
-            return;
+            return Ok(());
         };
         let [a, b] = mesh.ends(first);
         let (pa, pb) = (mesh.position(a), mesh.position(b));
@@ -71,6 +91,9 @@ impl Unfolding {
         self.portals.push(portal);
         let mut before = first;
         for (letter, &next) in (1..).zip(&word[1..]) {
+            if letter % LETTERS_PER_LOOK == 0 {
+                look()?;
+            }
             let entered = mesh.twin(std::mem::replace(&mut before, next)).expect("a letter of a word has a twin");
             let apex = mesh.apex(entered);
             let place = mesh.position(apex);
@@ -87,6 +110,7 @@ impl Unfolding {
             self.ends[end as usize].last = word.len() as u32 - 1;
         }
         self.end = ahead_of(places[0], places[1], at[0], at[1], end);
+        Ok(())
     }
 
     /// Where `point`, ahead of a portal, comes to lie.

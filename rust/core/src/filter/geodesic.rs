@@ -204,7 +204,7 @@ impl GeodesicLeg {
         }
         report.funnels += 1;
         pause()?;
-        work.unfolding.unfold(mesh, a, &work.letters, b);
+        work.unfolding.unfold_while(mesh, a, &work.letters, b, &mut pause)?;
         work.unfolded = Some([a, b]);
         pause()?;
         work.funnel.run(&work.unfolding);
