@@ -57,6 +57,7 @@ pub mod self_crossings;
 pub mod shaken;
 pub mod sliding_pass;
 pub mod sliding_stages;
+pub mod sliding_steps;
 pub mod smooth;
 pub mod smooth_fair;
 pub mod smooth_geodesic;

@@ -1,0 +1,264 @@
+//! Step C of a line by the paper's filters, in stages: what each kind of stage does with the crossings, and which comes next.
+//!
+//! Holds the state that a line's stages share, and their limits of moves and steps. Which stages there are is in
+//! `sliding_stages`, the rounds of steps C and D are in `smooth_sliding`.
+
+use std::collections::VecDeque;
+use std::ops::{ControlFlow, Range};
+
+use crate::error::{Error, Result};
+use crate::filter::SlidingFilter;
+use crate::pauses::Pauses;
+use crate::relax::beads::Beads;
+use crate::relax::heap::{HeapEnd, HeapOutcome, relax_by_heap};
+use crate::relax::implicit::{ImplicitOutcome, relax_implicitly, relax_ranges_implicitly};
+use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
+use crate::report::{Observer, Report, Step};
+use crate::sliding_stages::{STEPS_A_ROUND, Stage, moves_a_spell};
+use crate::smooth::go_on;
+
+/// The first implicit step, in the motion's own time: about as far as each crossing is from its target.
+const FIRST_TIME_STEP: f64 = 1.0;
+
+/// Time steps of a line that is not brought to rest by its first ones: no longer than this at first, so that the steps after a
+/// spell of the heap begin gently.
+const LONGEST_FIRST_STEP: f64 = 64.0;
+
+/// Steps of all crossings at once do good as long as they are not shorter than this.
+const GOOD_TIME_STEP: f64 = 1.0;
+
+/// Spells of the heap within one step C.
+const MOST_SPELLS: u32 = 30;
+
+/// Moves of the heap where Newton has failed for good, for each crossing; the line is then as near its limit as it gets.
+const MOVES_AFTER_NEWTON: u64 = 500;
+
+/// Times that Newton is tried within one step C.
+const NEWTON_STARTS: u32 = 8;
+
+/// Moves of the heap between two tries, for each vertex.
+const MOVES_BETWEEN_STARTS: u64 = 20;
+
+/// What step C slides: the beads of a line, and those of them that may be off their targets (`None`: all).
+pub struct Sliders<'a> {
+    /// All crossings and pins.
+    pub beads: &'a mut Beads,
+    /// Ranges of beads.
+    pub near_open: Option<&'a [Range<usize>]>,
+}
+
+/// How step C ended.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct StepEnd {
+    /// As the heap's; steps of all crossings at once count as settled.
+    pub end: HeapEnd,
+    /// Whether Newton has brought the line to its fixed point.
+    pub by_newton: bool,
+}
+
+/// The stages of one line, and how far they have come.
+pub struct Stages {
+    /// Those to come.
+    left: VecDeque<Stage>,
+    stage: Stage,
+    /// Moves of the line by the end of this stage.
+    most_moves: u64,
+    crossings: usize,
+    time_step: f64,
+    /// Whether the heap has just given up.
+    is_after_heap: bool,
+}
+
+impl Stages {
+    /// Begins the first of `stages`; `threshold`: of a line without any.
+    pub fn new(stages: VecDeque<Stage>, threshold: f64, crossings: usize) -> Self {
+        let mut stages = Self {
+            left: stages,
+            stage: Stage::Heap { threshold, moves: None },
+            most_moves: 0,
+            crossings,
+            time_step: FIRST_TIME_STEP,
+            is_after_heap: false,
+        };
+        stages.go_to_next(0);
+        stages
+    }
+
+    /// How near to rest this stage brings the line, in barycentric units.
+    pub fn threshold(&self) -> f64 {
+        self.stage.threshold()
+    }
+
+    /// Whether this stage moves all crossings at once, as a start.
+    pub fn is_start(&self) -> bool {
+        matches!(self.stage, Stage::Implicit { .. })
+    }
+
+    /// Whether this stage has steps of all crossings at once to make.
+    pub fn has_steps(&self) -> bool {
+        matches!(self.stage, Stage::Implicit { steps: 1.., .. })
+    }
+
+    /// Begins the next stage after so many moves; false if there is none.
+    pub fn go_to_next(&mut self, moves: u64) -> bool {
+        let Some(next) = self.left.pop_front() else { return false };
+        match next {
+            Stage::Heap { moves: Some(more), .. } | Stage::Newton { moves: more, .. } => self.most_moves = moves + more,
+            _ => {}
+        }
+        (self.stage, self.is_after_heap) = (next, true);
+        true
+    }
+
+    /// Begins the next stage where the heap has run out of moves or left vertices in the middle of a swing; false if there is
+    /// none for that.
+    pub fn go_on_from(&mut self, end: HeapEnd, moves: u64) -> bool {
+        let is_over = match end {
+            HeapEnd::Settled => false,
+            HeapEnd::Swinging => self.left.len() == 1,
+            HeapEnd::Stopped => true,
+        };
+        is_over && matches!(self.left.back(), Some(Stage::Rest { .. })) && self.go_to_next(moves)
+    }
+
+    /// Whether a line that the heap has brought to rest has stages to come.
+    pub fn is_last_at_rest(&self) -> bool {
+        self.left.iter().all(|stage| matches!(stage, Stage::Rest { .. }))
+    }
+
+    /// One step C.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub fn relax(
+        &mut self,
+        sliders: &mut Sliders,
+        filter: &impl SlidingFilter,
+        report: &mut Report,
+        observer: &mut dyn Observer,
+    ) -> Result<StepEnd> {
+        let slid = |end| Ok(StepEnd { end, by_newton: false });
+        match self.stage {
+            Stage::Newton { threshold, .. } => {
+                if settle_by_newton(sliders.beads, filter, report, observer)? {
+                    return Ok(StepEnd { end: HeapEnd::Settled, by_newton: true });
+                }
+                // The heap goes on from the best place that Newton found.
+                let share = MOVES_AFTER_NEWTON * self.crossings as u64;
+                let moves = self.most_moves.saturating_sub(report.moves).min(share);
+                slid(sliders.slide_by_heap(filter, threshold, moves, report, observer)?.end)
+            }
+            Stage::Heap { threshold, .. } => {
+                let moves = self.most_moves.saturating_sub(report.moves);
+                slid(sliders.slide_by_heap(filter, threshold, moves, report, observer)?.end)
+            }
+            Stage::Implicit { threshold, steps } => {
+                let most = STEPS_A_ROUND.min(steps);
+                let outcome = sliders.step(filter, threshold, most, &mut self.time_step, report, observer)?;
+                let left = if outcome.is_settled { 0 } else { steps - most };
+                self.stage = Stage::Implicit { threshold, steps: left };
+                slid(HeapEnd::Settled)
+            }
+            Stage::Rest { .. } => slid(self.bring_to_rest(sliders, filter, report, observer)?),
+        }
+    }
+
+    /// Spells of the heap, and steps of all crossings at once after each that has not brought the line to rest.
+    fn bring_to_rest(
+        &mut self,
+        sliders: &mut Sliders,
+        filter: &impl SlidingFilter,
+        report: &mut Report,
+        observer: &mut dyn Observer,
+    ) -> Result<HeapEnd> {
+        let Stage::Rest { threshold, steps, mut moves } = self.stage else { return Ok(HeapEnd::Stopped) };
+        let mut time_step = FIRST_TIME_STEP;
+        let mut end = HeapEnd::Stopped;
+        for _ in 0..MOST_SPELLS {
+            if self.is_after_heap {
+                let mut left = steps;
+                while left > 0 {
+                    let most = STEPS_A_ROUND.min(left);
+                    let outcome = sliders.step(filter, GOAL * threshold, most, &mut time_step, report, observer)?;
+                    let does_good = !outcome.is_settled && time_step >= GOOD_TIME_STEP;
+                    left = if does_good { left - most } else { 0 };
+                }
+                time_step = time_step.clamp(FIRST_TIME_STEP, LONGEST_FIRST_STEP);
+            }
+            let most = moves.min(moves_a_spell(sliders.beads.len()));
+            let outcome = sliders.slide_by_heap(filter, threshold, most, report, observer)?;
+            moves -= outcome.moves;
+            self.stage = Stage::Rest { threshold, steps, moves };
+            end = outcome.end;
+            self.is_after_heap = end != HeapEnd::Settled;
+            if !self.is_after_heap || moves == 0 {
+                break;
+            }
+        }
+        Ok(end)
+    }
+}
+
+/// Steps of all crossings at once end at this share of the threshold, so that the heap has nothing left to do.
+const GOAL: f64 = 0.5;
+
+impl Sliders<'_> {
+    /// At most so many steps of all crossings at once, the first of which is `time_step` long.
+    fn step(
+        &mut self,
+        filter: &impl SlidingFilter,
+        threshold: f64,
+        most: u64,
+        time_step: &mut f64,
+        report: &mut Report,
+        observer: &mut dyn Observer,
+    ) -> Result<ImplicitOutcome> {
+        let ask = || go_on(observer, Step::Relax);
+        let outcome = match self.near_open {
+            None => relax_implicitly(self.beads, filter, threshold, most, time_step, ask)?,
+            Some(near) => relax_ranges_implicitly(self.beads, near, filter, threshold, most, time_step, ask)?,
+        };
+        report.newton_steps += outcome.steps;
+        Ok(outcome)
+    }
+
+    /// The heap, which the observer may end.
+    fn slide_by_heap(
+        &mut self,
+        filter: &impl SlidingFilter,
+        threshold: f64,
+        move_limit: u64,
+        report: &mut Report,
+        observer: &mut dyn Observer,
+    ) -> Result<HeapOutcome> {
+        let mut is_stopped = false;
+        let outcome = relax_by_heap(self.beads, filter, threshold, move_limit, self.near_open, || {
+            let flow = observer.step(Step::Relax);
+            is_stopped = flow == ControlFlow::Break(());
+            flow
+        });
+        report.moves += outcome.moves;
+        if is_stopped { Err(Error::Interrupted) } else { Ok(outcome) }
+    }
+}
+
+/// Newton, and where it gets stuck (vertices that go on and off the ends of their edges) some moves of the heap and Newton
+/// again. False when even that does not settle.
+fn settle_by_newton(
+    beads: &mut Beads,
+    filter: &impl SlidingFilter,
+    report: &mut Report,
+    observer: &mut dyn Observer,
+) -> Result<bool> {
+    for _ in 0..NEWTON_STARTS {
+        let outcome = relax_by_newton(beads, &mut Pauses::new(observer, Step::Relax))?;
+        report.newton_steps += outcome.steps;
+        if outcome.is_settled {
+            return Ok(true);
+        }
+        let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
+        let mut all = Sliders { beads: &mut *beads, near_open: None };
+        all.slide_by_heap(filter, NEWTON_TOLERANCE, moves, report, observer)?;
+    }
+    Ok(false)
+}
