@@ -44,6 +44,22 @@ def test_near_picks_do_not_make_the_search_visit_the_mesh():
     assert near.report.pops < 40 * len(near.strip), "a search between near picks has gone far"
 
 
+def test_a_dragged_cubic_takes_few_moves_below_the_first_threshold():
+    mesh = open_surface("igea.ply").mesh
+    picks = [25_000 * i + 500 for i in range(8)]
+    moved = [*picks[:4], picks[4] + 40, *picks[5:]]
+
+    def drag(threshold):
+        line = mesh.polyline(picks, filter="cubic", pinned="all", threshold=threshold).with_picks(moved)
+        assert line.report.kept_legs == 5
+        return line
+
+    coarse, fine = drag(1e-3), drag(1e-4)
+    assert coarse.report.stop_reason.startswith("converged")
+    # 1 000 and five a crossing, beside those of vertex passes.
+    assert fine.report.moves < coarse.report.moves + 2_000 + 5 * len(fine.points), (fine.report, coarse.report)
+
+
 def test_on_a_long_line_steps_of_all_crossings_spare_most_moves_of_cubic():
     """Open picks round a scan; the heap alone is the paper's, and what is compared with."""
     mesh = open_surface("igea.ply").mesh

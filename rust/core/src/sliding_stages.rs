@@ -121,9 +121,10 @@ pub fn choose_stages(
         let moves = (filter.reach() > 1).then(|| finer_move_limit(crossings, effort));
         stages.push_back(Stage::Heap { threshold, moves });
     }
-    if may_step && !is_draft {
+    let rest_moves = rest_move_limit(crossings, effort);
+    if may_step && rest_moves > 0 {
         let steps = if effort == Effort::OneByOne { STEPS_BEFORE_SPELL } else { IMPLICIT_STEPS };
-        stages.push_back(Stage::Rest { threshold: last_threshold, steps, moves: rest_move_limit(crossings, effort) });
+        stages.push_back(Stage::Rest { threshold: last_threshold, steps, moves: rest_moves });
     }
     stages
 }
@@ -150,7 +151,7 @@ fn move_limit(crossings: usize, reach: usize) -> u64 {
 
 /// Moves that a `cubic` line may take for each threshold finer than [`FIRST_THRESHOLD`].
 ///
-/// Its map is not a descent: on most long lines some crossings swing or drift for ever, whatever the limit. By heap alone
+/// Its map is not a descent: on most long lines some crossings swing or drift for long. By heap alone
 /// more moves make the line smoother at large, too; where steps of all crossings at once have done that, fewer will do.
 fn finer_move_limit(crossings: usize, effort: Effort) -> u64 {
     let n = crossings as u64;
@@ -164,7 +165,7 @@ fn finer_move_limit(crossings: usize, effort: Effort) -> u64 {
 /// Moves for a line that the heap has not brought to rest, in spells between steps of all crossings at once.
 ///
 /// On short lines nearly all come to rest, most of them in some hundred moves a crossing. On long ones it would take a
-/// second and more; they settle where steps of all crossings at once lead there.
+/// second and more; they settle where steps of all crossings at once lead there. Drafts are left as the heap left them.
 fn rest_move_limit(crossings: usize, effort: Effort) -> u64 {
     let n = crossings as u64;
     match effort {
@@ -212,5 +213,21 @@ mod tests {
         assert_eq!(thresholds(&cubic(3), Solver::Auto, 1e-4, 1000), [1e-3, 1e-4]);
         assert_eq!(thresholds(&cubic(2), Solver::Auto, 1e-4, 100), [1e-3, 1e-4, REST]);
         assert_eq!(thresholds(&Linear, Solver::Heap, 1e-2, 1000), [1e-2]);
+    }
+
+    #[test]
+    fn drafts_get_few_moves_and_are_not_brought_to_rest() {
+        let cubic = Cubic { knots: Knots::Centripetal, support: DEFAULT_SUPPORT };
+        let moves = |is_draft| -> Vec<u64> {
+            let stages = choose_stages(&cubic, &Options::default(), false, 1e-4, 200, is_draft);
+            let of = |stage: &Stage| match *stage {
+                Stage::Heap { moves, .. } => moves.unwrap_or(0),
+                Stage::Rest { moves, .. } | Stage::Newton { moves, .. } => moves,
+                Stage::Implicit { .. } => 0,
+            };
+            stages.iter().map(of).collect()
+        };
+        assert_eq!(moves(true), [70_000, 2_000]);
+        assert_eq!(moves(false), [70_000, 26_000, 240_000]);
     }
 }

@@ -6,8 +6,10 @@
 use std::collections::VecDeque;
 use std::ops::{ControlFlow, Range};
 
+use glam::DVec3;
+
 use crate::error::{Error, Result};
-use crate::filter::SlidingFilter;
+use crate::filter::{Edge, SlidingFilter, Target};
 use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
 use crate::relax::heap::{HeapEnd, HeapOutcome, relax_by_heap};
@@ -38,6 +40,26 @@ const NEWTON_STARTS: u32 = 8;
 
 /// Moves of the heap between two tries, for each vertex.
 const MOVES_BETWEEN_STARTS: u64 = 20;
+
+/// A filter whose vertices stay where they are as near to its curve as at their targets, to rounding. Where the curve runs along
+/// an edge the nearest point is any of a stretch, and which one is found jumps with the last bit of the neighbours.
+struct Content<'a, F>(&'a F);
+
+impl<F: SlidingFilter> SlidingFilter for Content<'_, F> {
+    fn reach(&self) -> usize {
+        self.0.reach()
+    }
+
+    fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, near: Option<f64>) -> Target {
+        let found = self.0.target(edge, before, after, t, near);
+        let stays = found.t != t && self.0.is_as_near(edge, before, after, t, found);
+        if stays { Target { t, ..found } } else { found }
+    }
+
+    fn measure(&self, points: &[DVec3]) -> f64 {
+        self.0.measure(points)
+    }
+}
 
 /// What step C slides: the beads of a line, and those of them that may be off their targets (`None`: all).
 pub struct Sliders<'a> {
@@ -186,7 +208,7 @@ impl Stages {
                 time_step = time_step.clamp(FIRST_TIME_STEP, LONGEST_FIRST_STEP);
             }
             let most = moves.min(moves_a_spell(sliders.beads.len()));
-            let outcome = sliders.slide_by_heap(filter, threshold, most, report, observer)?;
+            let outcome = sliders.slide_by_heap(&Content(filter), threshold, most, report, observer)?;
             moves -= outcome.moves;
             self.stage = Stage::Rest { threshold, steps, moves };
             end = outcome.end;

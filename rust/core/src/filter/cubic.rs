@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use super::cubic_curve::{Basis, Curve, Row, nearest_on_edge};
+use super::cubic_curve::{Basis, Curve, Row, is_as_near, nearest_on_edge};
 use super::{Edge, FourNeighbours, MAX_REACH, SlidingFilter, Target};
 use crate::options::{DEFAULT_SUPPORT, Knots};
 
@@ -118,6 +118,16 @@ impl SlidingFilter for Cubic {
             }
         }
         Some((target, if slopes.iter().all(|s| s.is_finite()) { slopes } else { [0.0; 4] }))
+    }
+
+    fn is_as_near(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, target: Target) -> bool {
+        let points = self.choose_points(before, after);
+        let mut knots: Row = points.iter().map(|_| -1.0).collect();
+        let Some(u) = target.on_curve.filter(|_| points.len() <= INTERPOLATED && !before.is_empty()) else {
+            return false;
+        };
+        self.place_knots(&points, before.len() - 1, &mut knots)
+            && is_as_near(&Curve::through(&knots, &points, edge.low), edge.high - edge.low, t, (u, target.t))
     }
 
     /// The bending energy of the polyline: squared turn of its direction over half the length of the two segments.
@@ -258,6 +268,20 @@ mod tests {
         assert!((t - 0.25).abs() < 1e-12, "{t}");
         let t = cubic.target(&edge, &[parabola(-1.0)], &[parabola(1.0)], 0.9, None).t;
         assert!((t - 0.5).abs() < 1e-12, "{t}");
+    }
+
+    #[test]
+    fn only_on_a_curve_along_its_edge_other_places_are_as_near() {
+        let edge = Edge { low: DVec3::ZERO, high: DVec3::new(4.0, 0.0, 0.0) };
+        let ask = |height: f64, t: f64| {
+            let at = |x: f64| DVec3::new(x, height * x * x, 0.0);
+            let (before, after) = ([at(1.0), at(0.0)], [at(3.0), at(4.0)]);
+            let target = UNIFORM.target(&edge, &before, &after, t, None);
+            UNIFORM.is_as_near(&edge, &before, &after, t, target)
+        };
+        assert!(ask(0.0, 0.3) && ask(0.0, 0.7), "the curve goes from 1/4 to 3/4 of the edge, and lies on it");
+        assert!(!ask(0.0, 0.1) && !ask(0.0, 0.9), "beyond");
+        assert!(!ask(1e-3, 0.7), "it only comes near the edge");
     }
 
     #[test]

@@ -202,6 +202,12 @@ impl Distance {
         square - t * self.edge * (2.0 * self.foot(u) - t)
     }
 
+    /// The square of the distance between curve(u) and the point at `t` of the edge, wherever on it.
+    fn between(&self, u: f64, t: f64) -> f64 {
+        let square = self.square.iter().rev().fold(0.0, |sum, &c| sum * u + c);
+        square + t * self.edge * (t - 2.0 * self.foot(u))
+    }
+
     /// First and second derivative by u, with the nearest point of the edge following.
     #[inline]
     fn derivatives(&self, u: f64) -> (f64, f64) {
@@ -283,3 +289,35 @@ pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64, near: Option
     let u = near.and_then(|u| distance.descend_near(u, from, to)).unwrap_or_else(|| distance.find_lowest(from, to));
     Some(Target { t: distance.foot(u).clamp(0.0, 1.0), on_curve: Some(u) })
 }
+
+/// What rounding may do to a squared distance, as a share of the squares of the coordinates that it is made from.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Whether the point at `t` of the edge from the origin to `e` is as near to the curve, between parameters -1 and 1, as the pair
+/// `nearest` of a parameter and a place on the edge, to rounding.
+pub fn is_as_near(curve: &Curve, e: DVec3, t: f64, nearest: (f64, f64)) -> bool {
+    let distance = Distance::new(curve, e);
+    let size = distance.square.iter().fold(distance.edge, |most, c| most.max(c.abs()));
+    let most = distance.between(nearest.0, nearest.1) + ROUNDING * size;
+    // The parameter of the curve from which this point is nearest goes along the edge as the curve does.
+    let place = |k: u32| -1.0 + 2.0 * f64::from(k) / f64::from(SEEKS);
+    let mut best = (0..=SEEKS).map(place).fold((0.0, f64::INFINITY), |best, u| {
+        let d = distance.between(u, t);
+        if d < best.1 { (u, d) } else { best }
+    });
+    let mut step = 1.0 / f64::from(SEEKS);
+    while best.1 > most && step > PARAMETER_STEP {
+        for u in [best.0 - step, best.0 + step] {
+            let u = u.clamp(-1.0, 1.0);
+            let d = distance.between(u, t);
+            if d < best.1 {
+                best = (u, d);
+            }
+        }
+        step *= 0.5;
+    }
+    best.1 <= most
+}
+
+/// Steps in which the nearest parameter of the curve is first sought.
+const SEEKS: u32 = 16;

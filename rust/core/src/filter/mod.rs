@@ -96,6 +96,12 @@ pub trait SlidingFilter {
         None
     }
 
+    /// Whether the point at `t` of the edge is as near to the filter's curve as the target that was found from the same neighbours,
+    /// to rounding: where the curve runs along the edge, all of a stretch is. False from a filter that does not ask.
+    fn is_as_near(&self, _edge: &Edge, _before: &[DVec3], _after: &[DVec3], _t: f64, _target: Target) -> bool {
+        false
+    }
+
     /// How bad a stretch of line is; step D passes a vertex only if this falls. `points` hold the changed stretch and
     /// `reach` fixed points on each side where there are as many.
     fn measure(&self, points: &[DVec3]) -> f64;
