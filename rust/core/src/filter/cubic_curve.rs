@@ -306,7 +306,7 @@ pub fn is_as_near(curve: &Curve, e: DVec3, t: f64, nearest: (f64, f64)) -> bool 
         if d < best.1 { (u, d) } else { best }
     });
     let mut step = 1.0 / f64::from(SEEKS);
-    while best.1 > most && step > PARAMETER_STEP {
+    while best.1 > most && step > FINEST_SEEK {
         for u in [best.0 - step, best.0 + step] {
             let u = u.clamp(-1.0, 1.0);
             let d = distance.between(u, t);
@@ -321,3 +321,6 @@ pub fn is_as_near(curve: &Curve, e: DVec3, t: f64, nearest: (f64, f64)) -> bool 
 
 /// Steps in which the nearest parameter of the curve is first sought.
 const SEEKS: u32 = 16;
+
+/// And the finest step, which changes a distance by less than rounding does.
+const FINEST_SEEK: f64 = 1e-8;
