@@ -36,11 +36,13 @@ def make_lines(surface, filter_name):
 @pytest.mark.parametrize("filter_name", FILTERS)
 @pytest.mark.parametrize("name", ["terrain", "torus", "spot.obj", "suzanne.obj"])
 def test_the_same_input_gives_the_same_bytes_twice(name, filter_name):
+    # Not the surface's own mesh: other tests may have asked it so often that it has landmarks, and takes fewer pops.
     surface = open_surface(name)
+    once = sp.SurfaceMesh(surface.positions, surface.triangles)
     again = sp.SurfaceMesh(surface.positions.copy(), surface.triangles.astype(np.int64))
     for seed in range(3):
         picks = surface.random_picks(4, seed)
-        first, second = (mesh.polyline(picks, filter=filter_name) for mesh in (surface.mesh, again))
+        first, second = (mesh.polyline(picks, filter=filter_name) for mesh in (once, again))
         assert describe(first) == describe(second)
 
 
