@@ -7,6 +7,7 @@
 
 use std::collections::HashSet;
 use std::f64::consts::PI;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::DVec2;
 
@@ -71,7 +72,7 @@ pub fn straighten_loop(
     mut on_round: impl FnMut(&Leg, &mut Report) -> bool,
 ) -> Result<(Leg, bool)> {
     let mut state = relax_loop(mesh, word, report, &mut Pauses::new(observer, Step::Relax))?;
-    let mut seen: HashSet<(VertexId, Vec<HalfedgeId>)> = HashSet::new();
+    let mut seen = HashSet::new();
     loop {
         match state {
             Loop::Straight(leg) => {
@@ -82,7 +83,7 @@ pub fn straighten_loop(
                 let mut pauses = Pauses::new(observer, Step::VertexPass);
                 pauses.pause()?;
                 // Where edges have no length, no side of an anchor need be the better one, and anchors take turns for ever.
-                let is_last = !seen.insert((anchored.vertex, anchored.word.clone()));
+                let is_last = !seen.insert((anchored.vertex, digest(&anchored.word)));
                 match relax_anchored(mesh, anchored, is_last, work, report, &mut pauses, &mut on_round)? {
                     Next::Done(leg, is_capped) => return Ok((leg, is_capped)),
                     Next::Again(next) => state = next,
@@ -90,6 +91,14 @@ pub fn straighten_loop(
             }
         }
     }
+}
+
+/// A number that tells words from each other. It is the same in every run; should two words share one, the loop rests early and
+/// is straightened on the shaken mesh.
+fn digest(word: &[HalfedgeId]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    word.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// Finds the best point of the first letter's edge to go round from.
