@@ -130,6 +130,11 @@ def copy_line_settings(source: Any, target: Any) -> None:
         setattr(target, name, getattr(source, name))
 
 
+def read_decimal(value: float) -> float:
+    """The number that was typed: Blender keeps it in single precision, in which 0.0001 is a little less than that."""
+    return float(f"{value:.7g}")
+
+
 def choose_line_options(settings: Any) -> dict[str, Any]:
     """The options of the library's `SurfaceMesh.polyline`, but for `detail_size` in the object's units.
 
@@ -143,7 +148,7 @@ def choose_line_options(settings: Any) -> dict[str, Any]:
         "solver": settings.solver.lower() if settings.filter in {"LINEAR", "CUBIC"} else "auto",
         "knots": settings.knots.lower() if is_cubic else "centripetal",
         "support": settings.support if is_cubic else 2,
-        "threshold": settings.threshold,
+        "threshold": read_decimal(settings.threshold),
         "max_iterations": settings.max_iterations or None,
         "detail_size": (settings.detail_size or None) if settings.filter == "FAIR" else None,
     }

@@ -133,7 +133,11 @@ class VIEW3D_OT_smooth_polyline_draw(bpy.types.Operator):
 
     def choose_cubic(self) -> dict[str, Any]:
         """What the library takes for a cubic."""
-        return {"threshold": self.threshold, "knots": self.knots.lower(), "support": self.support}
+        return {
+            "threshold": settings.read_decimal(self.threshold),
+            "knots": self.knots.lower(),
+            "support": self.support,
+        }
 
     def begin(self, context: bpy.types.Context, event: bpy.types.Event) -> None:
         """Take up the curve that is edited, or the click."""
