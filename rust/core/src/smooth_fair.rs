@@ -63,6 +63,13 @@ const FIRST_REACH: f64 = 16.0;
 const SETTLED_MOVE: f64 = 1e-7;
 /// or when the energy can fall by no more than this share of it; for other reasons see [`Pace`].
 const SETTLED_FALL: f64 = 1e-10;
+/// On needles the model can be so wrong that a curve creeps for thousands of steps. A curve is settled, too, when so many steps
+/// in a row
+const CREEPING_STEPS: u32 = 32;
+/// have each moved nothing by more than this share of a piece,
+const CREEPING_MOVE: f64 = 1e-3;
+/// and lowered the energy by no more than this share of it.
+const CREEPING_FALL: f64 = 1e-3;
 
 /// How long a curve is lowered: until the energy fell, and would have by the model, by less than a share of it so many
 /// times in a row.
@@ -272,6 +279,7 @@ impl<'a> Lowering<'a> {
         let mut slow_steps = 0;
         let mut refused_size = f64::INFINITY;
         let mut refused_steps = 0;
+        let mut creeping_steps = 0;
         // As long as the curve stays where it is.
         let mut system = None;
         loop {
@@ -297,6 +305,8 @@ impl<'a> Lowering<'a> {
                 false if fall > 0.0 => slow_steps = 0,
                 false => {}
             }
+            let is_creeping = size <= CREEPING_MOVE && fall <= CREEPING_FALL * curve.energy;
+            creeping_steps = if is_creeping { creeping_steps + 1 } else { 0 };
             refused_size = if fall > 0.0 { f64::INFINITY } else { size };
             refused_steps = if fall > 0.0 { 0 } else { refused_steps + 1 };
             match next {
@@ -317,7 +327,9 @@ impl<'a> Lowering<'a> {
             } else if share.is_nan() || share < POOR_SHARE {
                 reach = reach.min(length) / 2.0;
             }
-            let is_slow = slow_steps >= pace.slow_steps || refused_steps == pace.refused_steps;
+            let is_slow = slow_steps >= pace.slow_steps
+                || refused_steps == pace.refused_steps
+                || creeping_steps == CREEPING_STEPS;
             if is_settled || is_slow || reach < LEAST_REACH * piece {
                 return Ok(true);
             }

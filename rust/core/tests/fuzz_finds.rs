@@ -85,6 +85,12 @@ fn find_9_a_ring_turns_back_across_its_seam() {
     ));
 }
 
+/// `fair` on needles crept, each step a ten-thousandth of a piece, and had not settled after 20 000 rounds.
+#[test]
+fn find_10_fair_creeps_on_needles() {
+    judge_line(&bytes("007d002b6a6abf4b0072000000ffffffffff4c4c4c4cffffffffffbf4bffffffffff30ffffffff402bffef"));
+}
+
 /// Any short input means something to each target.
 #[test]
 fn nothing_and_little_are_judged() {
