@@ -106,6 +106,13 @@ def test_a_dragged_cubic_stays_near_a_fresh_one_and_moves_little():
     assert total(ours, "pops") < 0.6 * total(theirs, "pops")
 
 
+def test_a_dragged_cubic_draft_is_near_the_finished_line():
+    distances, ours, theirs = drag(open_surface("igea.ply"), {"filter": "cubic"}, 20)
+    assert distances.max() < 1, distances
+    assert np.median(distances) < 0.7, distances
+    assert total(ours, "moves") < 0.1 * total(theirs, "moves")
+
+
 def test_a_dragged_fair_line_is_mostly_near_a_fresh_one_at_a_fraction_of_the_work():
     distances, ours, theirs = drag(open_surface("igea.ply"), {"filter": "fair"}, 3)
     # Where the curve has two places of rest the two may choose differently.

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! - `cubic`: a leg does know of the next ones, two crossings at a time. New legs begin at the midpoints of their strips,
-//!   kept ones where they are; a crossing moves where it is further than the threshold from its place.
+//!   kept ones where they are; a crossing moves where it is further than the threshold from its place. A draft: the threshold
+//!   is no finer than `sliding_stages` says.
 //! - `fair`: legs of its input are kept; the curve is made again near the change, as a draft: with half of the samples and
 //!   larger tolerances (`fair_again`).
 //!

@@ -32,8 +32,9 @@ impl PyPolyline {
     /// depends on this line and the picks alone, the same bytes each time:
     ///
     /// - "geodesic", "linear", "none": the bytes of a fresh line (`mesh.polyline` with these picks).
-    /// - "cubic": kept legs stay where they are unless a crossing is further than `threshold` from its place. Measured, a
-    ///   twentieth of an edge from a fresh line.
+    /// - "cubic": kept legs stay where they are unless a crossing is further than the threshold from its place; new ones are a
+    ///   draft, at rest to a threshold of 5e-3 where `threshold` is finer. Measured, a twentieth of an edge on average and
+    ///   two thirds of an edge at most from a fresh line.
     /// - "fair": all picks pinned: legs are kept where the change has faded to a tenth of an edge; the others, and where
     ///   picks are not pinned the whole line, are a draft with half as many samples. Measured, mostly within an edge of a
     ///   fresh line; where the curve has more than one place of rest it may be in another one, edges away.
