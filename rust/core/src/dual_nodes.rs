@@ -27,6 +27,12 @@ pub trait Nodes {
     /// Nodes across sides 0, 1, 2; [`NONE`] where a line cannot cross.
     fn neighbours(&self, node: u32) -> [u32; 3];
 
+    /// Both, for what is cheaper to look up at once.
+    #[inline]
+    fn position_and_neighbours(&self, node: u32) -> (DVec3, [u32; 3]) {
+        (self.position(node), self.neighbours(node))
+    }
+
     /// The node's triangle.
     fn triangle(&self, node: u32) -> TriangleId;
 
@@ -116,6 +122,12 @@ impl Nodes for Records {
     #[inline]
     fn neighbours(&self, node: u32) -> [u32; 3] {
         self.records[node as usize].neighbours
+    }
+
+    #[inline]
+    fn position_and_neighbours(&self, node: u32) -> (DVec3, [u32; 3]) {
+        let record = &self.records[node as usize];
+        (record.position, record.neighbours)
     }
 
     #[inline]

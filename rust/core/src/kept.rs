@@ -74,16 +74,20 @@ pub struct LegStart {
     pub last: TriangleId,
     /// How many letters it has.
     pub letters: usize,
-    /// Its length through the midpoints, in the units of the positions.
+    /// Its length through the midpoints, in the units of the positions; 0 of `none`, which stays as it was made.
     pub length: f64,
 }
 
 impl LegStart {
     /// Of leg `i` of a route; without a length where nothing pins it.
     pub fn of_leg(mesh: &SurfaceMesh, route: &Route, i: usize) -> Self {
-        let leg = &route.legs[i];
         let ends: Option<[&SurfacePoint; 2]> = route.start_pin(i).zip(route.end_pin(i)).map(Into::into);
-        let length = ends.map_or(0.0, |[a, b]| leg.length(mesh, a, b));
-        Self { first: leg.first, last: leg.last_triangle(mesh), letters: leg.word.len(), length }
+        let length = ends.map_or(0.0, |[a, b]| route.legs[i].length(mesh, a, b));
+        Self { length, ..Self::without_length(mesh, &route.legs[i]) }
+    }
+
+    /// Of a leg that stays as it was made.
+    pub fn without_length(mesh: &SurfaceMesh, leg: &Leg) -> Self {
+        Self { first: leg.first, last: leg.last_triangle(mesh), letters: leg.word.len(), length: 0.0 }
     }
 }

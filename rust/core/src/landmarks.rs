@@ -56,7 +56,7 @@ impl Landmarks {
         let mut measure = |from: u32, costs: &mut [f64]| {
             costs.fill(f64::INFINITY);
             costs[from as usize] = 0.0;
-            let mut queue = Queue::default();
+            let mut queue = Queue::<u128>::default();
             queue.push(0.0, from.into());
             while let Some((cost, record)) = queue.pop() {
                 let record = record as u32;

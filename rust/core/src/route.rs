@@ -59,15 +59,16 @@ impl Route {
     /// the leg's first and last crossing from the pins.
     fn part_from_pins(&mut self, mesh: &SurfaceMesh, part: impl Fn(&mut Leg, &SurfaceMesh, bool) -> bool) {
         let is_ring = self.pins.is_empty();
-        let pins = self.pins.iter().map(|pin| Some(mesh.position_of(pin))).collect::<Vec<_>>();
-        let pin_at = |i: usize| if is_ring { None } else { pins[i % pins.len()] };
+        let pins = &self.pins;
+        let pin_at = |i: usize| if is_ring { None } else { Some(mesh.position_of(&pins[i % pins.len()])) };
         for (i, leg) in self.legs.iter_mut().enumerate() {
             let last = leg.word.len().saturating_sub(1);
+            let [start, end] = [i, i + 1].map(pin_at);
             for _ in 0..MOST_PARTINGS {
-                let at_start = leg.part_from(mesh, pin_at(i), 0);
+                let at_start = leg.part_from(mesh, start, 0);
                 let between = part(leg, mesh, is_ring);
                 // A parted point can be equal to its other neighbour.
-                if !(leg.part_from(mesh, pin_at(i + 1), last) | at_start | between) {
+                if !(leg.part_from(mesh, end, last) | at_start | between) {
                     break;
                 }
             }

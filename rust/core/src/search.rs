@@ -16,7 +16,7 @@ use crate::ids::{HalfedgeId, TriangleId};
 use crate::landmarks::{Aim, Landmarks};
 use crate::mesh::SurfaceMesh;
 use crate::pool::Pool;
-use crate::queue::Queue;
+use crate::queue::{Queue, ShortKeys};
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
 
@@ -38,6 +38,15 @@ const POPS_BEFORE_AIM: u64 = 12;
 /// Rounding of a sum of some ten thousand weights, as a share of it.
 const COST_ROUNDING: f64 = 1e-11;
 
+/// Stamps of one search: its first one and, added to it, some of the next three.
+const STAMPS: u32 = 8;
+/// Part of a stamp: the search ends at this node. Alone: it was not reached yet.
+const GOAL: u32 = 1;
+/// Part of a stamp: the node was reached.
+const REACHED: u32 = 2;
+/// Part of a stamp: the node was taken from the queue, and no way to it has been found since that is cheaper.
+const CLOSED: u32 = 4;
+
 /// What a search knows of a node. `stamp` tells to which search it belongs, so that nothing has to be cleared
 /// between searches and a near search costs nothing on a large mesh.
 #[derive(Clone, Copy, Debug)]
@@ -45,14 +54,13 @@ struct Visit {
     cost: f64,
     /// `3 * node + side` that was crossed to get here; [`NONE`] at a source.
     via: u32,
-    /// The search's stamp, plus 1 when the node is closed.
     stamp: u32,
 }
 
 #[derive(Debug, Default)]
 struct Scratch {
     visits: Vec<Visit>,
-    queue: Queue,
+    queue: Queue<u64>,
     stamp: u32,
 }
 
@@ -237,13 +245,13 @@ impl<'a> DualGraph<'a> {
     fn take_scratch(&self) -> Scratch {
         let count = self.mesh.triangles().len();
         let mut scratch = self.kept.pool.take();
-        let is_worn = scratch.stamp > u32::MAX - 4;
+        let is_worn = scratch.stamp > u32::MAX - 2 * STAMPS;
         if scratch.visits.len() != count || is_worn {
             // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
             scratch.visits = vec![Visit { cost: 0.0, via: 0, stamp: 0 }; count];
             scratch.stamp = 0;
         }
-        scratch.stamp += 2;
+        scratch.stamp += STAMPS;
         scratch.queue.clear();
         scratch
     }
@@ -275,75 +283,85 @@ fn search(
     scratch: &mut Scratch,
     observer: &mut dyn Observer,
 ) -> Result<Option<FoundStrip>, Error> {
-    let Scratch { visits, queue, stamp } = scratch;
-    let visits = visits.as_mut_slice();
-    let (open, closed) = (*stamp, *stamp + 1);
-    let goals: Vec<u32> = to.triangles.iter().map(|t| nodes.node(*t)).collect();
+    let Scratch { visits, queue, stamp: first_stamp } = scratch;
+    let (visits, first_stamp) = (visits.as_mut_slice(), *first_stamp);
+    let keys = ShortKeys::of_items_below(visits.len());
+    let goals = to.triangles.iter().map(|t| nodes.node(*t));
     let straight = |id: u32| nodes.position(id).distance(to.anchor);
     let mut aim: Option<(&Landmarks, Aim)> = None;
-    let rest = |aim: &Option<(&Landmarks, Aim)>, id: u32, straight: f64| match aim {
-        Some((landmarks, aim)) => straight.max(landmarks.bound(id, aim)),
-        None => straight,
-    };
+    // Stamps of earlier searches are lower.
+    let reached = |before: u32| first_stamp | REACHED | if before >= first_stamp { before & GOAL } else { 0 };
+    for goal in goals.clone() {
+        visits[goal as usize].stamp = first_stamp | GOAL;
+    }
     for source in &from.triangles {
         let id = nodes.node(*source);
         let cost = nodes.position(id).distance(from.anchor);
-        visits[id as usize] = Visit { cost, via: NONE, stamp: open };
-        queue.push(cost + straight(id), id.into());
+        let visit = &mut visits[id as usize];
+        *visit = Visit { cost, via: NONE, stamp: reached(visit.stamp) };
+        queue.push_key(keys.key(cost + straight(id), id));
     }
     let mut best: Option<(f64, u32)> = None;
+    // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such strips does
+    // not hang on the order of the search.
+    let mut largest_estimate = f64::INFINITY;
     let mut pops = 0u64;
-    while let Some((estimate, id)) = queue.pop() {
-        let id = id as u32;
-        // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such
-        // strips does not hang on the order of the search.
-        if best.is_some_and(|(cost, _)| estimate > cost * (1.0 + COST_ROUNDING)) {
+    let mut next_look = POPS_BEFORE_AIM;
+    while let Some(key) = queue.pop_key() {
+        // Rounded down, so no node is left out; what is taken a little too early is opened again.
+        let (estimate, id) = keys.split(key);
+        if estimate > largest_estimate {
             break;
         }
         let visit = &mut visits[id as usize];
-        if visit.stamp == closed {
+        if visit.stamp & CLOSED != 0 {
             continue;
         }
-        visit.stamp = closed;
-        let cost = visit.cost;
+        visit.stamp |= CLOSED;
+        let Visit { cost, stamp, .. } = *visit;
         pops += 1;
-        if pops == POPS_BEFORE_AIM {
-            // Bounds may rise on the way: a record that was closed too early for it is opened again.
-            aim = landmarks.and_then(|l| Some((l, l.aim_at(goals.iter().map(|&goal| (goal, straight(goal))))?)));
+        if pops == next_look {
+            if pops == POPS_BEFORE_AIM {
+                // Bounds may rise on the way: a record that was closed too early for it is opened again.
+                aim = landmarks.and_then(|l| Some((l, l.aim_at(goals.clone().map(|goal| (goal, straight(goal))))?)));
+            } else if observer.step(Step::Search) == ControlFlow::Break(()) {
+                return Err(Error::Interrupted);
+            }
+            next_look = (pops / POPS_PER_OBSERVATION + 1) * POPS_PER_OBSERVATION;
         }
-        if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
-            return Err(Error::Interrupted);
-        }
-        if goals.contains(&id) {
+        if stamp & GOAL != 0 {
             let candidate = (cost + straight(id), id);
             let is_before = |best: (f64, u32)| {
                 candidate.0 < best.0 || (candidate.0 == best.0 && nodes.place(id) < nodes.place(best.1))
             };
-            best = Some(best.filter(|&best| !is_before(best)).unwrap_or(candidate));
+            let (cost, goal) = best.filter(|&best| !is_before(best)).unwrap_or(candidate);
+            best = Some((cost, goal));
+            largest_estimate = cost * (1.0 + COST_ROUNDING);
         }
-        let position = nodes.position(id);
-        for (side, next) in nodes.neighbours(id).into_iter().enumerate() {
+        let (position, neighbours) = nodes.position_and_neighbours(id);
+        for (side, &next) in (0..).zip(&neighbours) {
             if next == NONE {
                 continue;
             }
             let visit = &mut visits[next as usize];
-            // Stamps of earlier searches are lower.
-            let is_known = visit.stamp >= open;
+            let is_known = visit.stamp >= first_stamp + REACHED;
             // Most neighbours, the one that was come from among them: no way through here is cheaper, as weights are
             // not negative, nor as cheap in the sense below.
-            if is_known && visit.cost <= cost {
+            if is_known & (visit.cost <= cost) {
                 continue;
             }
             let next_position = nodes.position(next);
             let new_cost = cost + position.distance(next_position);
+            let via = 3 * id + side;
             // A closed node can still improve by rounding, as the bounds are consistent only in exact arithmetic;
             // then it is opened again.
-            if !is_known || new_cost < visit.cost {
-                *visit = Visit { cost: new_cost, via: 3 * id + side as u32, stamp: open };
-                queue.push(new_cost + rest(&aim, next, next_position.distance(to.anchor)), next.into());
+            if !is_known | (new_cost < visit.cost) {
+                *visit = Visit { cost: new_cost, via, stamp: reached(visit.stamp) };
+                let straight = next_position.distance(to.anchor);
+                let rest = aim.as_ref().map_or(straight, |(landmarks, aim)| straight.max(landmarks.bound(next, aim)));
+                queue.push_key(keys.key(new_cost + rest, next));
             } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
                 let place = |via: u32| (nodes.place(via / 3), via % 3);
-                let via = 3 * id + side as u32;
                 if place(via) < place(visit.via) {
                     visit.via = via;
                 }

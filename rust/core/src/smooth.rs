@@ -75,6 +75,7 @@ pub fn smooth_input(
     report.kept_legs = known.iter().flatten().count();
     let start_of = |(i, note): (usize, &Option<LegNote>)| match note {
         Some(note) => note.start,
+        None if options.filter == Filter::None => LegStart::without_length(mesh, &route.legs[i]),
         None => LegStart::of_leg(mesh, &route, i),
     };
     let starts: Vec<LegStart> = known.iter().enumerate().map(start_of).collect();

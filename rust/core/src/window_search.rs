@@ -76,7 +76,7 @@ struct Scratch {
     windows: Vec<Waiting>,
     free: Vec<u32>,
     /// Of views and windows, packed by [`pack`].
-    queue: Queue,
+    queue: Queue<u128>,
     stamp: u32,
 }
 

@@ -38,12 +38,27 @@ pub struct PyPolyline {
 
 impl PyPolyline {
     /// Takes over a finished line.
-    pub fn new(py: Python<'_>, mesh: Arc<SurfaceMesh>, mut line: Polyline, seconds: Seconds) -> PyResult<Self> {
+    pub fn new(py: Python<'_>, mesh: Arc<SurfaceMesh>, line: Polyline, seconds: Seconds) -> PyResult<Self> {
+        Self::take_over(py, mesh, line, None, seconds)
+    }
+
+    /// Takes over a finished line and what it keeps.
+    pub fn new_kept(py: Python<'_>, mesh: Arc<SurfaceMesh>, made: Made, seconds: Seconds) -> PyResult<Self> {
+        Self::take_over(py, mesh, made.line, Some(made.kept), seconds)
+    }
+
+    fn take_over(
+        py: Python<'_>,
+        mesh: Arc<SurfaceMesh>,
+        mut line: Polyline,
+        kept: Option<Kept>,
+        seconds: Seconds,
+    ) -> PyResult<Self> {
         let report = Py::new(py, PyReport::new(std::mem::take(&mut line.report), seconds))?;
         Ok(Self {
             mesh,
             line: Arc::new(line),
-            kept: None,
+            kept,
             report,
             points: PyOnceLock::new(),
             triangles: PyOnceLock::new(),
@@ -72,11 +87,6 @@ impl PyPolyline {
     /// What it keeps for the line with other picks.
     pub fn kept(&self) -> Option<&Kept> {
         self.kept.as_ref()
-    }
-
-    /// Takes over a finished line and what it keeps.
-    pub fn new_kept(py: Python<'_>, mesh: Arc<SurfaceMesh>, made: Made, seconds: Seconds) -> PyResult<Self> {
-        Ok(Self { kept: Some(made.kept), ..Self::new(py, mesh, made.line, seconds)? })
     }
 }
 
