@@ -92,9 +92,9 @@ def test_splitting_faces_that_the_line_has_nothing_to_do_with_changes_no_byte(na
 @pytest.mark.parametrize("pinned", ["ends", "all"])
 @pytest.mark.parametrize("name", SURFACES)
 def test_fair_is_nearly_the_same_where_every_triangle_is_cut_in_four(name, pinned):
-    """Where the straight line through the picks is, and the surface smooth: to 0.6 of an edge of the coarse mesh,
-    through pins (0.502 at worst, the next 0.22). Near a pick that is not pinned the curve can come to rest in two
-    places: one in ten does, some edges apart."""
+    """Where the straight line through the picks is, and the surface smooth: to half an edge of the coarse mesh, through
+    pins (0.22 at worst; of more picks, one in fifty comes to rest in two places). Near a pick that is not pinned it is
+    one in ten that does, some edges apart."""
     positions, triangles = SURFACES[name]()
     coarse = sp.SurfaceMesh(positions, triangles)
     fine = sp.SurfaceMesh(*split_at_midpoints(positions, triangles))
@@ -111,5 +111,5 @@ def test_fair_is_nearly_the_same_where_every_triangle_is_cut_in_four(name, pinne
             continue
         off.append(distance_of(*(m.polyline(at, **options) for m, at in both)) / edge)
     assert len(off) >= 5
-    assert max(off) <= 0.6 if pinned == "all" else np.quantile(off, 0.75) <= 0.7
+    assert max(off) <= 0.5 if pinned == "all" else np.quantile(off, 0.75) <= 0.7
     assert np.median(off) <= 0.1

@@ -71,13 +71,16 @@ const CREEPING_MOVE: f64 = 1e-3;
 /// and lowered the energy by no more than this share of it.
 const CREEPING_FALL: f64 = 1e-3;
 
-/// How long a curve is lowered: until the energy fell, and would have by the model, by less than a share of it so many
-/// times in a row.
+/// How long a curve is lowered. A step is slow when it promises, and lets the energy fall by, less than a share of it.
 pub struct Pace {
     slow_fall: f64,
+    /// Until so many slow steps were made in a row; with 0, as soon as a step promises no more.
     slow_steps: u32,
     /// Or until so many steps in a row did not lower it.
     refused_steps: u32,
+    /// Or, where the model is trusted, until the energy fell by what was promised, to that share of what is left of it: what
+    /// the step has left undone is as little.
+    trusts_model: bool,
 }
 
 /// How curves of ever more samples are lowered.
@@ -88,16 +91,19 @@ pub struct Paces {
     finest_stride: usize,
 }
 
+/// A coarse curve that went on to its own place of rest would find one that is due to where its few samples lie on the
+/// mesh; one that is left too early leads the finer ones to another valley. The last curve is then within a tenth of an edge of
+/// where ever smaller steps would take it.
 const FINAL: Paces = Paces {
-    coarse: Pace { slow_fall: 1e-2, slow_steps: 3, refused_steps: u32::MAX },
-    last: Pace { slow_fall: 1e-5, slow_steps: 3, refused_steps: u32::MAX },
+    coarse: Pace { slow_fall: 1e-2, slow_steps: 2, refused_steps: u32::MAX, trusts_model: false },
+    last: Pace { slow_fall: 1e-5, slow_steps: 0, refused_steps: u32::MAX, trusts_model: false },
     finest_stride: 1,
 };
 
 /// A draft goes the same way, so it ends near the final curve: at an edge between samples instead of half an edge.
 pub const DRAFT: Paces = Paces {
-    coarse: Pace { slow_fall: 2e-2, slow_steps: 1, refused_steps: 2 },
-    last: Pace { slow_fall: 2e-3, slow_steps: 1, refused_steps: 2 },
+    coarse: Pace { slow_fall: 2e-2, slow_steps: 0, refused_steps: 2, trusts_model: true },
+    last: Pace { slow_fall: 2e-3, slow_steps: 0, refused_steps: 2, trusts_model: true },
     finest_stride: 2,
 };
 
@@ -296,11 +302,15 @@ impl<'a> Lowering<'a> {
                 system = Some(known);
                 continue;
             }
+            let little = pace.slow_fall * curve.energy;
+            if pace.slow_steps == 0 && step.fall < little {
+                return Ok(true);
+            }
             let next = curve.moved(self.mesh, &step, &mut self.work, self.report, &mut self.pauses)?;
             let fall = next.as_ref().map_or(f64::NEG_INFINITY, |next| curve.energy - next.energy);
             let is_settled = size <= SETTLED_MOVE || step.fall <= SETTLED_FALL * curve.energy;
             // A step that was taken back counts as well, where it promised no more.
-            match fall.max(step.fall) < pace.slow_fall * curve.energy {
+            match fall.max(step.fall) < little {
                 true => slow_steps += 1,
                 false if fall > 0.0 => slow_steps = 0,
                 false => {}
@@ -327,10 +337,10 @@ impl<'a> Lowering<'a> {
             } else if share.is_nan() || share < POOR_SHARE {
                 reach = reach.min(length) / 2.0;
             }
-            let is_slow = slow_steps >= pace.slow_steps
-                || refused_steps == pace.refused_steps
-                || creeping_steps == CREEPING_STEPS;
-            if is_settled || is_slow || reach < LEAST_REACH * piece {
+            let is_slow = slow_steps > 0 && slow_steps >= pace.slow_steps;
+            let is_as_promised = pace.trusts_model && (fall - step.fall).abs() < pace.slow_fall * curve.energy;
+            let is_stuck = refused_steps == pace.refused_steps || creeping_steps == CREEPING_STEPS;
+            if is_settled || is_slow || is_as_promised || is_stuck || reach < LEAST_REACH * piece {
                 return Ok(true);
             }
             if self.report.iterations >= self.limit {

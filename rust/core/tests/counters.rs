@@ -89,8 +89,8 @@ fn a_line_across_a_terrain() {
         &[
             ("geodesic", [168, 0, 1318, 3156, 176, 0]),
             ("geodesic, pinned", [13, 0, 73, 720, 26, 0]),
-            ("fair", [9, 0, 143, 720, 117, 22]),
-            ("fair, pinned", [13, 0, 325, 720, 295, 28]),
+            ("fair", [5, 0, 141, 720, 111, 13]),
+            ("fair, pinned", [9, 0, 325, 720, 296, 16]),
         ],
     );
 }
@@ -197,8 +197,8 @@ fn lines_on_a_scan() {
         &[
             ("cubic, closed", [1, 7174, 0, 24002, 1, 20]),
             ("geodesic, closed and pinned", [23, 0, 343, 6718, 192, 0]),
-            ("fair, closed", [9, 0, 467, 6718, 400, 24]),
-            ("fair, closed and pinned", [14, 0, 1390, 6718, 1168, 26]),
+            ("fair, closed", [7, 0, 467, 6718, 400, 17]),
+            ("fair, closed and pinned", [11, 0, 1381, 6718, 1149, 20]),
         ],
     );
 }
