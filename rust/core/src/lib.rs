@@ -19,6 +19,7 @@ pub mod cone;
 pub mod connections;
 pub mod diagonals;
 pub mod dual_nodes;
+pub mod dual_search;
 pub mod edge_path;
 pub mod embed;
 pub mod error;

@@ -1,8 +1,8 @@
 //! Step B: the shortest path in the dual graph between two picks (the paper, section 4).
 //!
 //! Nodes are triangles, edges join triangles that share a crossable edge, and weigh the distance of the barycentres.
-//! Holds the one search loop and what searches share; the nodes themselves are in [`crate::dual_nodes`]. Knows nothing of
-//! polylines.
+//! Holds what searches share and when landmarks are chosen; the loop itself is in [`crate::dual_search`], the nodes in
+//! [`crate::dual_nodes`]. Knows nothing of polylines.
 
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
@@ -11,17 +11,17 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use glam::DVec3;
 
 use crate::dual_nodes::{KeptNodes, MeshNodes, NONE, Nodes, OnDemand};
+use crate::dual_search::{Scratch, search};
 use crate::error::Error;
 use crate::ids::{HalfedgeId, TriangleId};
-use crate::landmarks::{Aim, Landmarks};
+use crate::landmarks::Landmarks;
 use crate::mesh::SurfaceMesh;
 use crate::pool::Pool;
-use crate::queue::{Queue, ShortKeys};
 use crate::report::{Observer, Step};
 use crate::strip::entered_triangle;
 
 /// Triangles taken from the queue between two calls of the observer; about a millisecond.
-const POPS_PER_OBSERVATION: u64 = 4096;
+pub const POPS_PER_OBSERVATION: u64 = 4096;
 
 /// A mesh of fewer triangles needs no landmarks: searching all of it takes less than half a millisecond. Measured: on 5 800
 /// triangles they take a search across from 290 microseconds to 27, on 19 500 from 1 400 to 300.
@@ -30,39 +30,6 @@ const LANDMARK_TRIANGLES: usize = 4_000;
 /// Landmarks are chosen once searches have taken this many triangles from their queues for each triangle of the mesh:
 /// choosing costs about what was spent by then, so that never having chosen would have cost half as much at worst.
 const POPS_BEFORE_LANDMARKS: u64 = 16;
-
-/// A search that has taken this many triangles without an end turns to the landmarks: near picks are found before, and need
-/// not have bounds prepared for each of the triangles round the goal, which costs as much as ten pops.
-const POPS_BEFORE_AIM: u64 = 12;
-
-/// Rounding of a sum of some ten thousand weights, as a share of it.
-const COST_ROUNDING: f64 = 1e-11;
-
-/// Stamps of one search: its first one and, added to it, some of the next three.
-const STAMPS: u32 = 8;
-/// Part of a stamp: the search ends at this node. Alone: it was not reached yet.
-const GOAL: u32 = 1;
-/// Part of a stamp: the node was reached.
-const REACHED: u32 = 2;
-/// Part of a stamp: the node was taken from the queue, and no way to it has been found since that is cheaper.
-const CLOSED: u32 = 4;
-
-/// What a search knows of a node. `stamp` tells to which search it belongs, so that nothing has to be cleared
-/// between searches and a near search costs nothing on a large mesh.
-#[derive(Clone, Copy, Debug)]
-struct Visit {
-    cost: f64,
-    /// `3 * node + side` that was crossed to get here; [`NONE`] at a source.
-    via: u32,
-    stamp: u32,
-}
-
-#[derive(Debug, Default)]
-struct Scratch {
-    visits: Vec<Visit>,
-    queue: Queue<u64>,
-    stamp: u32,
-}
 
 /// What a mesh keeps for searches of its dual graph.
 #[derive(Debug)]
@@ -243,16 +210,8 @@ impl<'a> DualGraph<'a> {
     }
 
     fn take_scratch(&self) -> Scratch {
-        let count = self.mesh.triangles().len();
         let mut scratch = self.kept.pool.take();
-        let is_worn = scratch.stamp > u32::MAX - 2 * STAMPS;
-        if scratch.visits.len() != count || is_worn {
-            // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
-            scratch.visits = vec![Visit { cost: 0.0, via: 0, stamp: 0 }; count];
-            scratch.stamp = 0;
-        }
-        scratch.stamp += STAMPS;
-        scratch.queue.clear();
+        scratch.begin(self.mesh.triangles().len());
         scratch
     }
 }
@@ -272,121 +231,4 @@ fn choose_among(nodes: &impl Nodes, near: TriangleId, observer: &mut dyn Observe
         if is_time && observer.step(Step::Search) == ControlFlow::Break(()) { Err(Error::Interrupted) } else { Ok(()) }
     };
     Landmarks::choose(nodes.count(), nodes.node(near), neighbours, pause)
-}
-
-/// [`DualGraph::find_strip`] among these nodes.
-fn search(
-    nodes: &impl Nodes,
-    landmarks: Option<&Landmarks>,
-    from: &SearchEnd,
-    to: &SearchEnd,
-    scratch: &mut Scratch,
-    observer: &mut dyn Observer,
-) -> Result<Option<FoundStrip>, Error> {
-    let Scratch { visits, queue, stamp: first_stamp } = scratch;
-    let (visits, first_stamp) = (visits.as_mut_slice(), *first_stamp);
-    let keys = ShortKeys::of_items_below(visits.len());
-    let goals = to.triangles.iter().map(|t| nodes.node(*t));
-    let straight = |id: u32| nodes.position(id).distance(to.anchor);
-    let mut aim: Option<(&Landmarks, Aim)> = None;
-    // Stamps of earlier searches are lower.
-    let reached = |before: u32| first_stamp | REACHED | if before >= first_stamp { before & GOAL } else { 0 };
-    for goal in goals.clone() {
-        visits[goal as usize].stamp = first_stamp | GOAL;
-    }
-    for source in &from.triangles {
-        let id = nodes.node(*source);
-        let cost = nodes.position(id).distance(from.anchor);
-        let visit = &mut visits[id as usize];
-        *visit = Visit { cost, via: NONE, stamp: reached(visit.stamp) };
-        queue.push_key(keys.key(cost + straight(id), id));
-    }
-    let mut best: Option<(f64, u32)> = None;
-    // Whatever could still be part of a strip that costs the same is looked at, so that the choice among such strips does
-    // not hang on the order of the search.
-    let mut largest_estimate = f64::INFINITY;
-    let mut pops = 0u64;
-    let mut next_look = POPS_BEFORE_AIM;
-    while let Some(key) = queue.pop_key() {
-        // Rounded down, so no node is left out; what is taken a little too early is opened again.
-        let (estimate, id) = keys.split(key);
-        if estimate > largest_estimate {
-            break;
-        }
-        let visit = &mut visits[id as usize];
-        if visit.stamp & CLOSED != 0 {
-            continue;
-        }
-        visit.stamp |= CLOSED;
-        let Visit { cost, stamp, .. } = *visit;
-        pops += 1;
-        if pops == next_look {
-            if pops == POPS_BEFORE_AIM {
-                // Bounds may rise on the way: a record that was closed too early for it is opened again.
-                aim = landmarks.and_then(|l| Some((l, l.aim_at(goals.clone().map(|goal| (goal, straight(goal))))?)));
-            } else if observer.step(Step::Search) == ControlFlow::Break(()) {
-                return Err(Error::Interrupted);
-            }
-            next_look = (pops / POPS_PER_OBSERVATION + 1) * POPS_PER_OBSERVATION;
-        }
-        if stamp & GOAL != 0 {
-            let candidate = (cost + straight(id), id);
-            let is_before = |best: (f64, u32)| {
-                candidate.0 < best.0 || (candidate.0 == best.0 && nodes.place(id) < nodes.place(best.1))
-            };
-            let (cost, goal) = best.filter(|&best| !is_before(best)).unwrap_or(candidate);
-            best = Some((cost, goal));
-            largest_estimate = cost * (1.0 + COST_ROUNDING);
-        }
-        let (position, neighbours) = nodes.position_and_neighbours(id);
-        for (side, &next) in (0..).zip(&neighbours) {
-            if next == NONE {
-                continue;
-            }
-            let visit = &mut visits[next as usize];
-            let is_known = visit.stamp >= first_stamp + REACHED;
-            // Most neighbours, the one that was come from among them: no way through here is cheaper, as weights are
-            // not negative, nor as cheap in the sense below.
-            if is_known & (visit.cost <= cost) {
-                continue;
-            }
-            let next_position = nodes.position(next);
-            let new_cost = cost + position.distance(next_position);
-            let via = 3 * id + side;
-            // A closed node can still improve by rounding, as the bounds are consistent only in exact arithmetic;
-            // then it is opened again.
-            if !is_known | (new_cost < visit.cost) {
-                *visit = Visit { cost: new_cost, via, stamp: reached(visit.stamp) };
-                let straight = next_position.distance(to.anchor);
-                let rest = aim.as_ref().map_or(straight, |(landmarks, aim)| straight.max(landmarks.bound(next, aim)));
-                queue.push_key(keys.key(new_cost + rest, next));
-            } else if new_cost == visit.cost && new_cost > cost && visit.via != NONE {
-                let place = |via: u32| (nodes.place(via / 3), via % 3);
-                if place(via) < place(visit.via) {
-                    visit.via = via;
-                }
-            }
-        }
-    }
-    Ok(best.map(|(cost, goal)| {
-        let (first, word) = trace(nodes, visits, goal);
-        FoundStrip { first, word, cost, pops }
-    }))
-}
-
-/// The way to `goal`: its first triangle and its letters.
-fn trace(nodes: &impl Nodes, visits: &[Visit], goal: u32) -> (TriangleId, Vec<HalfedgeId>) {
-    let before = |id: u32| Some(visits[id as usize].via).filter(|&via| via != NONE).map(|via| via / 3);
-    let letters = std::iter::successors(before(goal), |&id| before(id)).count();
-    let mut word = Vec::with_capacity(letters);
-    let mut id = goal;
-    loop {
-        let via = visits[id as usize].via;
-        if via == NONE {
-            word.reverse();
-            return (nodes.triangle(id), word);
-        }
-        id = via / 3;
-        word.push(nodes.triangle(id).halfedge(via % 3));
-    }
 }
