@@ -119,6 +119,8 @@ def test_a_dragged_fair_line_is_mostly_near_a_fresh_one_at_a_fraction_of_the_wor
     assert np.median(distances) < 1, distances
     # Short legs, so most of them are near the change. On a million triangles it is an eighth of the time.
     assert total(ours, "funnels") < 0.8 * total(theirs, "funnels")
+    # A draft goes on to finer samples as soon as a step has done what it promised.
+    assert total(ours, "newton_steps") < 0.3 * total(theirs, "newton_steps")
 
 
 def test_a_pick_that_goes_to_and_fro_costs_the_same_each_time():
