@@ -9,7 +9,7 @@ use std::ops::{ControlFlow, Range};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::filter::{Edge, SlidingFilter, Target};
+use crate::filter::{Edge, Side, SlidingFilter, Target};
 use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
 use crate::relax::heap::{HeapEnd, HeapOutcome, relax_by_heap};
@@ -45,15 +45,34 @@ const MOVES_BETWEEN_STARTS: u64 = 20;
 /// an edge the nearest point is any of a stretch, and which one is found jumps with the last bit of the neighbours.
 struct Content<'a, F>(&'a F);
 
+impl<F: SlidingFilter> Content<'_, F> {
+    fn or_stay(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, found: Target) -> Target {
+        let stays = found.t != t && self.0.is_as_near(edge, before, after, t, found);
+        if stays { Target { t, ..found } } else { found }
+    }
+}
+
 impl<F: SlidingFilter> SlidingFilter for Content<'_, F> {
     fn reach(&self) -> usize {
         self.0.reach()
     }
 
     fn target(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, near: Option<f64>) -> Target {
-        let found = self.0.target(edge, before, after, t, near);
-        let stays = found.t != t && self.0.is_as_near(edge, before, after, t, found);
-        if stays { Target { t, ..found } } else { found }
+        self.or_stay(edge, before, after, t, self.0.target(edge, before, after, t, near))
+    }
+
+    #[inline(always)]
+    fn target_of_four(
+        &self,
+        edge: &Edge,
+        points: &[DVec3; 4],
+        inner: usize,
+        t: f64,
+        near: Option<f64>,
+    ) -> Option<Target> {
+        let found = self.0.target_of_four(edge, points, inner, t, near)?;
+        let before: Side = points[..=inner].iter().rev().copied().collect();
+        Some(self.or_stay(edge, &before, &points[inner + 1..], t, found))
     }
 
     fn measure(&self, points: &[DVec3]) -> f64 {

@@ -208,6 +208,20 @@ impl Distance {
         square + t * self.edge * (t - 2.0 * self.foot(u))
     }
 
+    /// How steeply the squared distance to the curve rises along the edge from where curve(u) is nearest to it: the factor of the square
+    /// of the way. 0 where the curve runs along the edge, and where either is held at an end.
+    fn rise(&self, u: f64) -> f64 {
+        let raw = self.foot(u);
+        if !(raw > 0.0 && raw < 1.0 && u.abs() < 1.0) {
+            return 0.0;
+        }
+        let a = &self.along;
+        let slope = a[1] + u * (2.0 * a[2] + u * 3.0 * a[3]);
+        let (_, second) = self.derivatives(u);
+        let rise = self.edge * second / (second + 2.0 * slope * slope * self.per_edge);
+        if second > 0.0 { rise } else { 0.0 }
+    }
+
     /// First and second derivative by u, with the nearest point of the edge following.
     #[inline]
     fn derivatives(&self, u: f64) -> (f64, f64) {
@@ -220,6 +234,28 @@ impl Distance {
         let t = raw.clamp(0.0, 1.0);
         let follows = if raw > 0.0 && raw < 1.0 { 2.0 * slope * slope * self.per_edge } else { 0.0 };
         (first - 2.0 * t * slope, second - 2.0 * t * bend - follows)
+    }
+
+    /// Whether some point of the curve is no further than `most` (squared) from the point at `t` of the edge.
+    fn comes_as_near(&self, t: f64, most: f64) -> bool {
+        // The parameter of the curve from which this point is nearest goes along the edge as the curve does.
+        let place = |k: u32| -1.0 + 2.0 * f64::from(k) / f64::from(SEEKS);
+        let mut best = (0..=SEEKS).map(place).fold((0.0, f64::INFINITY), |best, u| {
+            let d = self.between(u, t);
+            if d < best.1 { (u, d) } else { best }
+        });
+        let mut step = 1.0 / f64::from(SEEKS);
+        while best.1 > most && step > FINEST_SEEK {
+            for u in [best.0 - step, best.0 + step] {
+                let u = u.clamp(-1.0, 1.0);
+                let d = self.between(u, t);
+                if d < best.1 {
+                    best = (u, d);
+                }
+            }
+            step *= 0.5;
+        }
+        best.1 <= most
     }
 
     /// The parameter of least distance.
@@ -293,30 +329,17 @@ pub fn nearest_on_edge(curve: &Curve, e: DVec3, from: f64, to: f64, near: Option
 /// What rounding may do to a squared distance, as a share of the squares of the coordinates that it is made from.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
+/// So many times what rounding may do, by the curvature of the valley that the nearest pair lies in, and nothing else is tried.
+const FAR: f64 = 16.0;
+
 /// Whether the point at `t` of the edge from the origin to `e` is as near to the curve, between parameters -1 and 1, as the pair
 /// `nearest` of a parameter and a place on the edge, to rounding.
 pub fn is_as_near(curve: &Curve, e: DVec3, t: f64, nearest: (f64, f64)) -> bool {
     let distance = Distance::new(curve, e);
     let size = distance.square.iter().fold(distance.edge, |most, c| most.max(c.abs()));
-    let most = distance.between(nearest.0, nearest.1) + ROUNDING * size;
-    // The parameter of the curve from which this point is nearest goes along the edge as the curve does.
-    let place = |k: u32| -1.0 + 2.0 * f64::from(k) / f64::from(SEEKS);
-    let mut best = (0..=SEEKS).map(place).fold((0.0, f64::INFINITY), |best, u| {
-        let d = distance.between(u, t);
-        if d < best.1 { (u, d) } else { best }
-    });
-    let mut step = 1.0 / f64::from(SEEKS);
-    while best.1 > most && step > FINEST_SEEK {
-        for u in [best.0 - step, best.0 + step] {
-            let u = u.clamp(-1.0, 1.0);
-            let d = distance.between(u, t);
-            if d < best.1 {
-                best = (u, d);
-            }
-        }
-        step *= 0.5;
-    }
-    best.1 <= most
+    let slack = ROUNDING * size;
+    let is_far = distance.rise(nearest.0) * (t - nearest.1).powi(2) > FAR * slack;
+    !is_far && distance.comes_as_near(t, distance.between(nearest.0, nearest.1) + slack)
 }
 
 /// Steps in which the nearest parameter of the curve is first sought.
@@ -324,3 +347,31 @@ const SEEKS: u32 = 16;
 
 /// And the finest step, which changes a distance by less than rounding does.
 const FINEST_SEEK: f64 = 1e-8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Curves from across an edge to along it, flat and not: what is told to be far without seeking is far.
+    #[test]
+    fn what_rises_too_steeply_comes_nowhere_as_near() {
+        let e = DVec3::new(2.0, 0.0, 0.0);
+        let mut told = 0;
+        for i in 0..4000 {
+            let wave = |k: f64| (0.37 * k * f64::from(i) + k).sin();
+            let flat = 10f64.powi(-(i % 12));
+            let at = |k: f64| DVec3::new(1.0 + 0.8 * wave(k), flat * wave(k + 4.0), flat * wave(k + 8.0));
+            let curve = Curve::through(&[-2.0, -1.0, 1.0, 2.0], &[at(1.0), at(2.0), at(3.0), at(4.0)], DVec3::ZERO);
+            let Some(found) = nearest_on_edge(&curve, e, -1.0, 1.0, None) else { panic!("an edge with a length") };
+            let (u, distance) = (found.on_curve.expect("a curve"), Distance::new(&curve, e));
+            let size = distance.square.iter().fold(distance.edge, |most, c| most.max(c.abs()));
+            for t in [0.1, 0.5, found.t + 1e-3, found.t - 1e-5, 0.9] {
+                let is_far = distance.rise(u) * (t - found.t).powi(2) > FAR * ROUNDING * size;
+                told += u32::from(is_far);
+                let comes = distance.comes_as_near(t, distance.between(u, found.t) + ROUNDING * size);
+                assert!(!(is_far && comes), "{i} at {t}: {found:?}");
+            }
+        }
+        assert!(told > 10_000, "{told}");
+    }
+}
