@@ -46,6 +46,7 @@ const MOVES_BETWEEN_STARTS: u64 = 20;
 struct Content<'a, F>(&'a F);
 
 impl<F: SlidingFilter> Content<'_, F> {
+    /// What was found, or `t` where that is as near.
     fn or_stay(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, found: Target) -> Target {
         let stays = found.t != t && self.0.is_as_near(edge, before, after, t, found);
         if stays { Target { t, ..found } } else { found }

@@ -236,8 +236,19 @@ impl Distance {
         (first - 2.0 * t * slope, second - 2.0 * t * bend - follows)
     }
 
-    /// Whether some point of the curve is no further than `most` (squared) from the point at `t` of the edge.
-    fn comes_as_near(&self, t: f64, most: f64) -> bool {
+    /// What rounding may do to a squared distance here.
+    fn slack(&self) -> f64 {
+        ROUNDING * self.square.iter().fold(self.edge, |most, c| most.max(c.abs()))
+    }
+
+    /// Whether the point at `t` of the edge is further than the pair `nearest` by so much that nothing needs to be sought.
+    fn is_far(&self, t: f64, nearest: (f64, f64)) -> bool {
+        self.rise(nearest.0) * (t - nearest.1).powi(2) > FAR * self.slack()
+    }
+
+    /// Whether some point of the curve is as near to the point at `t` of the edge as the pair `nearest` are to each other.
+    fn comes_as_near(&self, t: f64, nearest: (f64, f64)) -> bool {
+        let most = self.between(nearest.0, nearest.1) + self.slack();
         // The parameter of the curve from which this point is nearest goes along the edge as the curve does.
         let place = |k: u32| -1.0 + 2.0 * f64::from(k) / f64::from(SEEKS);
         let mut best = (0..=SEEKS).map(place).fold((0.0, f64::INFINITY), |best, u| {
@@ -336,10 +347,7 @@ const FAR: f64 = 16.0;
 /// `nearest` of a parameter and a place on the edge, to rounding.
 pub fn is_as_near(curve: &Curve, e: DVec3, t: f64, nearest: (f64, f64)) -> bool {
     let distance = Distance::new(curve, e);
-    let size = distance.square.iter().fold(distance.edge, |most, c| most.max(c.abs()));
-    let slack = ROUNDING * size;
-    let is_far = distance.rise(nearest.0) * (t - nearest.1).powi(2) > FAR * slack;
-    !is_far && distance.comes_as_near(t, distance.between(nearest.0, nearest.1) + slack)
+    !distance.is_far(t, nearest) && distance.comes_as_near(t, nearest)
 }
 
 /// Steps in which the nearest parameter of the curve is first sought.
@@ -363,13 +371,12 @@ mod tests {
             let at = |k: f64| DVec3::new(1.0 + 0.8 * wave(k), flat * wave(k + 4.0), flat * wave(k + 8.0));
             let curve = Curve::through(&[-2.0, -1.0, 1.0, 2.0], &[at(1.0), at(2.0), at(3.0), at(4.0)], DVec3::ZERO);
             let Some(found) = nearest_on_edge(&curve, e, -1.0, 1.0, None) else { panic!("an edge with a length") };
-            let (u, distance) = (found.on_curve.expect("a curve"), Distance::new(&curve, e));
-            let size = distance.square.iter().fold(distance.edge, |most, c| most.max(c.abs()));
+            let nearest = (found.on_curve.expect("a curve"), found.t);
+            let distance = Distance::new(&curve, e);
             for t in [0.1, 0.5, found.t + 1e-3, found.t - 1e-5, 0.9] {
-                let is_far = distance.rise(u) * (t - found.t).powi(2) > FAR * ROUNDING * size;
+                let is_far = distance.is_far(t, nearest);
                 told += u32::from(is_far);
-                let comes = distance.comes_as_near(t, distance.between(u, found.t) + ROUNDING * size);
-                assert!(!(is_far && comes), "{i} at {t}: {found:?}");
+                assert!(!(is_far && distance.comes_as_near(t, nearest)), "{i} at {t}: {found:?}");
             }
         }
         assert!(told > 2_000, "{told}");
