@@ -15,7 +15,7 @@ use crate::mesh_arrays::MAX_COORDINATE;
 use crate::report::{Observer, Step};
 use crate::smooth::go_on;
 use crate::surface_point::SurfacePoint;
-use crate::triangle_tree::{BRANCHES, Bounds, LEAF, POINT_ROUNDING, TriangleTree};
+use crate::triangle_tree::{BRANCHES, LEAF, POINT_ROUNDING, TriangleTree};
 
 /// Points that are looked up between two calls of the observer: about a millisecond.
 pub(crate) const POINTS_PER_OBSERVATION: usize = 512;
@@ -47,6 +47,9 @@ impl TriangleTree {
     pub fn closest(&self, mesh: &SurfaceMesh, p: DVec3, hint: Option<TriangleId>) -> Option<ClosestPoint> {
         let rounding = POINT_ROUNDING * self.extent;
         let mut best: Option<Candidate> = hint.map(|triangle| nearest_in_triangle(mesh, triangle, p, rounding));
+        // A square above that of the distance of the best one, however that is rounded.
+        let reach_of = |best: &Candidate| (best.square.sqrt() + 4.0 * rounding).powi(2) * ABOVE;
+        let mut reach = best.as_ref().map_or(f64::INFINITY, reach_of);
         // Boxes that are still to be looked at: distance, level, place in the level; the nearest last.
         let mut stack: Vec<(f64, u32, u32)> = Vec::with_capacity(BRANCHES * self.levels.len());
         let top = self.levels.len() - 1;
@@ -60,17 +63,12 @@ impl TriangleTree {
             if level == 0 {
                 for i in place * LEAF..((place + 1) * LEAF).min(mesh.triangles().len()) {
                     let triangle = mesh.dual_graph().triangle_at(i);
-                    let is_out = |b: Candidate| {
-                        let corners = mesh.corners(triangle).map(|v| mesh.position(v));
-                        let bounds = Bounds::of_corners(corners).grown(DVec3::splat(rounding));
-                        bounds.square_to(p) > b.square || is_further(corners, p, b.square, rounding)
-                    };
-                    if best.is_some_and(is_out) {
+                    if is_further(mesh.corners(triangle).map(|v| mesh.position(v)), p, reach) {
                         continue;
                     }
                     let new = nearest_in_triangle(mesh, triangle, p, rounding);
                     if best.is_none_or(|old| new.is_before(&old)) {
-                        best = Some(new);
+                        (best, reach) = (Some(new), reach_of(&new));
                     }
                 }
                 continue;
@@ -144,15 +142,14 @@ pub(crate) fn check_point(row: usize, point: DVec3, argument: &'static str) -> R
     ))
 }
 
-/// Whether all of a triangle is further from `p` than the square root of `square`, by a plane between them: it is upright on
-/// the way from `p` to the triangle's middle, and no corner lies on its near side. Where `p` is many triangles away nearly all
-/// that are further are found so, at a tenth of the cost of their nearest points; false tells nothing.
-fn is_further(corners: [DVec3; 3], p: DVec3, square: f64, rounding: f64) -> bool {
+/// Whether all of a triangle is further from `p` than the square root of `reach`, by a plane between them: it is upright on
+/// the way from `p` to the triangle's middle, and no corner lies on its near side. Nearly all that are further are found so, where
+/// `p` is many triangles away too, at a tenth of the cost of their nearest points; false tells nothing.
+fn is_further(corners: [DVec3; 3], p: DVec3, reach: f64) -> bool {
     let [a, b, c] = corners.map(|corner| p - corner);
     let way = a + b + c;
     let height = a.dot(way).min(b.dot(way)).min(c.dot(way));
-    let reach = square.sqrt() + 4.0 * rounding;
-    let least = reach * reach * way.length_squared() * ABOVE;
+    let least = reach * way.length_squared();
     // Also false where squares are too small to have all their digits.
     height > 0.0 && least > f64::MIN_POSITIVE / f64::EPSILON && height * height > least
 }
@@ -263,11 +260,11 @@ mod tests {
             let p = f64::from(i % 40) * point();
             let mesh = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2]], None).expect("a triangle");
             let square = nearest_in_triangle(&mesh, TriangleId(0), p, 0.0).square;
-            assert!(!is_further(corners, p, square, 0.0), "{p} is no further than it is");
-            assert!(!is_further(corners, p, 1.01 * square, 0.0));
+            assert!(!is_further(corners, p, square * ABOVE), "{p} is no further than it is");
+            assert!(!is_further(corners, p, 1.01 * square));
             if i % 40 > 10 {
                 further += 1;
-                left_out += u32::from(is_further(corners, p, 0.9 * square, 0.0));
+                left_out += u32::from(is_further(corners, p, 0.9 * square));
             }
         }
         assert!(10 * left_out > 9 * further, "{left_out} of {further}");
