@@ -76,6 +76,7 @@ pub mod untangle;
 pub mod vertex_pass;
 pub mod way;
 pub mod window;
+mod window_promise;
 pub mod window_search;
 
 pub use error::{Error, MeshError, OptionError, Result};

@@ -60,6 +60,7 @@ impl FlatTriangle {
     }
 
     /// The same triangle with the ends of its edge swapped.
+    #[inline]
     pub fn mirrored(&self) -> Self {
         Self {
             base: self.base,
@@ -82,12 +83,25 @@ impl Window {
     }
 
     /// The same window on the edge of length `length` in the other direction.
+    #[inline]
     pub fn reversed(&self, length: f64) -> Self {
         Self { x: length - self.x, low: length - self.high, high: length - self.low, ..*self }
     }
 
-    /// The window on the side of `triangle` from the first end of its edge to the apex, in that direction.
+    /// The same window where `is_upward`, else reversed. Without a branch: of the edges of a mesh as many run one way as the
+    /// other, so that it would be guessed wrong every other time. Nothing is rounded that [`Window::reversed`] does not round:
+    /// 0 is added, and 1 or -1 multiplied.
     #[inline]
+    pub fn upward(&self, length: f64, is_upward: bool) -> Self {
+        let way = usize::from(is_upward);
+        let (from, sign) = ([1.0, 0.0][way] * length, [-1.0, 1.0][way]);
+        let [a, b] = [from + sign * self.low, from + sign * self.high];
+        Self { x: from + sign * self.x, low: least(a, b), high: most(a, b), ..*self }
+    }
+
+    /// The window on the side of `triangle` from the first end of its edge to the apex, in that direction.
+    // In line, as it is called for two sides: else results go through memory: measured, 8 % more instructions a search.
+    #[inline(always)]
     pub fn behind_first_side(&self, triangle: &FlatTriangle) -> Self {
         let (DVec2 { x: cx, y: cy }, side) = (triangle.apex, triangle.first_side);
         if triangle.base == 0.0 || side == 0.0 {
@@ -102,7 +116,7 @@ impl Window {
             Self { x: at * cx / side, y: at * cy / side, behind, low: 0.0, high: side }
         };
         if self.y == 0.0 {
-            return bend_at(self.x.max(self.low).min(self.high));
+            return bend_at(least(most(self.x, self.low), self.high));
         }
         // Which side of the apex the line through the edge at `at` passes: positive, its first side is crossed.
         let past_apex = |at: f64| (self.x - at) * cy + (cx - at) * self.y;
@@ -117,20 +131,21 @@ impl Window {
         let high = if from_high <= 0.0 { side } else { side * share(self.high, from_high) };
         Self {
             x: (self.x * cx - self.y * cy) / side,
-            y: ((self.x * cy + self.y * cx) / side).max(0.0),
+            y: most((self.x * cy + self.y * cx) / side, 0.0),
             behind: self.behind,
             low,
-            high: high.max(low),
+            high: most(high, low),
         }
     }
 
     /// The shortest line through the window to a point that lies at `along` the edge and `off` its line, on the far side in
     /// the plane: its length up to the window, and from there on. No line through the window to a point at those distances
     /// in space is shorter.
+    #[inline]
     pub fn lengths_to(&self, along: f64, off: f64) -> [f64; 2] {
         let total = self.y + off;
         let at = if total > 0.0 { self.x + (along - self.x) * (self.y / total) } else { along };
-        let at = at.max(self.low).min(self.high);
+        let at = least(most(at, self.low), self.high);
         [self.behind + length(at - self.x, self.y), length(at - along, off)]
     }
 }
@@ -138,6 +153,18 @@ impl Window {
 #[inline]
 fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
+}
+
+/// The greater of two numbers, in one instruction, where `f64::max` also looks for what is not a number.
+#[inline]
+fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The lesser of two numbers.
+#[inline]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 #[cfg(test)]
@@ -170,6 +197,20 @@ mod tests {
             // Distances are kept: from the source to the edge's end and to the apex.
             assert!(is_near(side.x.hypot(side.y), 1.25_f64.sqrt()));
             assert!(is_near((side.x - triangle.first_side).hypot(side.y), 2.0));
+        }
+    }
+
+    #[test]
+    fn a_window_that_is_turned_without_a_branch_is_the_reversed_one_to_the_bit() {
+        let bits = |w: Window| [w.x, w.y, w.behind, w.low, w.high].map(f64::to_bits);
+        // Also a view that ends beyond its edge by rounding, so that the reversed one begins before it.
+        for length in [1.0, 0.1, 1.0 / 3.0, 7e-160, 3e150] {
+            for (low, high) in [(0.0, 1.0), (0.0, 0.7), (0.3, 1.0 + 2e-16), (0.6, 0.6)] {
+                let [low, high] = [low, high].map(|share| share * length);
+                let window = Window { x: -0.37 * length, y: 0.2 * length, behind: 5.0, low, high };
+                assert_eq!(bits(window.upward(length, true)), bits(window), "{length} {low} {high}");
+                assert_eq!(bits(window.upward(length, false)), bits(window.reversed(length)), "{length} {low} {high}");
+            }
         }
     }
 

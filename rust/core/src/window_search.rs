@@ -25,21 +25,12 @@ use crate::search::FoundStrip;
 use crate::spot::{Spot, spot_of, triangles_round};
 use crate::surface_point::SurfacePoint;
 use crate::window::{FlatTriangle, Window};
+use crate::window_promise::{Promise, Side, place_beside};
 
 /// A triangle is a sliver when its height over its longest side is below this share of that side. Measured: with one view
 /// a triangle lines on a mesh of slivers are 0.8 % longer than the shortest on average, with this 0.5 %; scans, where few
 /// triangles are this flat, take 1 % more pops.
 const SLIVER: f64 = 0.1;
-
-/// What the straight rest of a line weighs in an estimate beside its way so far. Above 1 the search heads for the goal more
-/// and visits less. Measured: 1.02 takes 10 % fewer pops across a scan and finds lines as short; from 1.05 on lines on
-/// slivers get longer.
-const REST_WEIGHT: f64 = 1.02;
-
-/// What the straight distance from the middle of a window's edge to the goal adds to an estimate, as a share. Where a line
-/// bends at a vertex, windows on several edges promise the same; this decides between them, not rounding. Small, so that
-/// it decides nothing else.
-const TIE_BREAK: f64 = 1.0 / 4096.0;
 
 /// Windows taken from the queue between two calls of the observer; about a millisecond.
 const POPS_PER_OBSERVATION: u64 = 4096;
@@ -50,10 +41,9 @@ const KEPT_VIEWS: usize = 1 << 16;
 /// In a window's `parent`: it comes from the start.
 const NO_PARENT: u32 = u32::MAX;
 
-/// What a search knows of an entry, which is a triangle or a side of a sliver: the least estimate that waits there (rounded:
-/// it only spares windows that would come too late), and a stamp, for which see `search`. A tuple, as `vec![..; n]` writes
-/// every page of a struct of zeroes, but not of a tuple.
-type Entry = (f32, u32);
+/// What a search knows of an entry, which is a triangle or a side of a sliver: the place of the window that waits there, and a
+/// stamp, for which see `search`. A tuple, as `vec![..; n]` writes every page of a struct of zeroes, but not of a tuple.
+type Entry = (u32, u32);
 
 /// Where a window came in.
 #[derive(Clone, Copy, Debug)]
@@ -63,19 +53,27 @@ struct View {
     parent: u32,
 }
 
-/// A window that waits, in the direction of its edge from the end with the lower vertex id, and the length of the edge.
-type Waiting = (Window, f64);
+/// A window that waits: all that is needed of it once it is its turn, in one line of memory.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Waiting {
+    promise: Promise,
+    entered: HalfedgeId,
+    /// Its place among the views.
+    view: u32,
+}
 
 #[derive(Debug, Default)]
 struct Scratch {
     entries: Vec<Entry>,
     /// All windows so far, in the order in which they were made: what is left of them once they have gone on.
     views: Vec<View>,
-    /// The windows that wait, and free places among them. So few wait at a time that a search needs a third of the memory
-    /// that keeping all of them would take.
-    windows: Vec<Waiting>,
+    /// The windows that wait, one an entry, and free places among them. So few wait at a time that a search needs a third of
+    /// the memory that keeping all of them would take.
+    waiting: Vec<Waiting>,
     free: Vec<u32>,
-    /// Of views and windows, packed by [`pack`].
+    /// Of views and places of windows, packed by [`pack`]. Where a window waits that is another view's, this one was
+    /// replaced.
     queue: Queue<u128>,
     stamp: u32,
 }
@@ -118,12 +116,12 @@ impl WindowGraph {
         let mut scratch = self.pool.take();
         if scratch.entries.len() != entries || scratch.stamp > u32::MAX - 4 {
             // `vec![..; n]` of zeroes asks the system for zeroed pages, which cost nothing until they are touched.
-            scratch.entries = vec![(0.0, 0); entries];
+            scratch.entries = vec![(0, 0); entries];
             scratch.stamp = 0;
         }
         scratch.stamp += 2;
         scratch.views.clear();
-        scratch.windows.clear();
+        scratch.waiting.clear();
         scratch.free.clear();
         scratch.queue.clear();
         scratch
@@ -174,12 +172,28 @@ struct Search<'a> {
     scratch: &'a mut Scratch,
 }
 
-/// A side by which a line leaves a triangle: its ends in some direction, and its length.
-struct Exit {
-    letter: HalfedgeId,
+/// A triangle as it lies behind the edge by which it is entered.
+struct Wedge {
+    /// The ends of that edge, lower id first.
     ends: [VertexId; 2],
-    places: [DVec3; 2],
-    length: f64,
+    apex: VertexId,
+    /// The sides from the first end to the apex, and from the second.
+    sides: [HalfedgeId; 2],
+}
+
+impl Wedge {
+    /// Without a branch: of the edges of a mesh as many run one way as the other.
+    #[inline]
+    fn of(mesh: &SurfaceMesh, entered: HalfedgeId) -> Self {
+        /// The two other sides, by twice the side that is entered and one more where its first corner has the higher id.
+        const SIDES: [[u8; 2]; 6] = [[2, 1], [1, 2], [0, 2], [2, 0], [1, 0], [0, 1]];
+        let triangle = entered.triangle();
+        let side = (entered.0 - 3 * triangle.0) as usize;
+        let corners = mesh.corners(triangle);
+        let [a, b, apex] = [0, 1, 2].map(|k| corners[(side + k) % 3]);
+        let sides = SIDES[(2 * side + usize::from(a > b)) % 6].map(|side| triangle.halfedge(side.into()));
+        Self { ends: [a.min(b), a.max(b)], apex, sides }
+    }
 }
 
 impl Search<'_> {
@@ -206,8 +220,10 @@ impl Search<'_> {
             let ends = mesh.ends(letter);
             let places = ends.map(|v| mesh.position(v));
             let length = places[0].distance(places[1]);
-            let exit = Exit { letter, ends, places, length };
-            self.push(&exit, NO_PARENT, || Window::whole(position, places[0], places[1], length));
+            let Some(entered) = mesh.twin(letter) else { continue };
+            let side = Side { places, length, is_upward: ends[0] < ends[1] };
+            let window = Window::whole(position, places[0], places[1], length);
+            self.push(entered, self.graph.entry_of(entered), NO_PARENT, &Promise::new(&window, &side, self.goal));
         }
     }
 
@@ -215,73 +231,85 @@ impl Search<'_> {
         let mesh = self.mesh;
         let closed = self.scratch.stamp + 1;
         let mut pops = 0u64;
+        // Most triangles are not of the goal's: one bit tells.
+        let goal_bits = goals.iter().fold(0u64, |bits, goal| bits | 1 << (goal.0 % 64));
         while let Some((_, item)) = self.scratch.queue.pop() {
             let (id, slot) = unpack(item);
-            let View { entered, .. } = self.scratch.views[id as usize];
-            let (window, base) = self.scratch.windows[slot as usize];
-            self.scratch.free.push(slot);
-            let (_, stamp) = &mut self.scratch.entries[self.graph.entry_of(entered)];
-            if *stamp == closed {
+            let waiting = &self.scratch.waiting[slot as usize];
+            if waiting.view != id {
                 continue;
             }
-            *stamp = closed;
+            let &Waiting { promise: Promise { ref window, length: base, .. }, entered, .. } = waiting;
+            let triangle = entered.triangle();
+            self.scratch.free.push(slot);
+            self.scratch.entries[self.graph.entry_of(entered)].1 = closed;
             pops += 1;
             if pops % POPS_PER_OBSERVATION == 0 && observer.step(Step::Search) == ControlFlow::Break(()) {
                 return Err(Error::Interrupted);
             }
-            if goals.contains(&entered.triangle()) {
+            if goal_bits >> (triangle.0 % 64) & 1 == 1 && goals.contains(&triangle) {
                 let word = without_repeats(mesh, self.trace(id));
-                let cost = self.length_to_goal(entered, &window);
+                let cost = self.length_to_goal(entered, window);
                 return Ok(Some(FoundStrip { first: word[0].triangle(), word, cost, pops }));
             }
-            let ([a, b], c) = (mesh.ends(entered), mesh.apex(entered));
-            let is_turned = a > b;
-            let ([a, b], [to_a, to_b]) = if is_turned {
-                ([b, a], [entered.next(), entered.previous()])
-            } else {
-                ([a, b], [entered.previous(), entered.next()])
-            };
+            let Wedge { ends: [a, b], apex: c, sides } = Wedge::of(mesh, entered);
+            // Where the next triangle is entered, unless a window that goes on has been there already.
+            let [behind_a, behind_b] = sides.map(|letter| {
+                let entered = mesh.twin(letter)?;
+                let entry = self.graph.entry_of(entered);
+                (self.scratch.entries[entry].1 != closed).then_some((entered, entry))
+            });
+            if behind_a.is_none() && behind_b.is_none() {
+                continue;
+            }
             let [at_a, at_b, at_c] = [a, b, c].map(|v| mesh.position(v));
             let triangle = FlatTriangle::new([at_a, at_b, at_c], base);
-            let exit = Exit { letter: to_a, ends: [a, c], places: [at_a, at_c], length: triangle.first_side };
-            self.push(&exit, id, || window.behind_first_side(&triangle));
-            let exit = Exit { letter: to_b, ends: [b, c], places: [at_b, at_c], length: triangle.second_side };
-            self.push(&exit, id, || window.reversed(base).behind_first_side(&triangle.mirrored()));
+            let window = *window;
+            if let Some((entered, entry)) = behind_a {
+                let side = Side { places: [at_a, at_c], length: triangle.first_side, is_upward: a < c };
+                let promise = Promise::new(&window.behind_first_side(&triangle), &side, self.goal);
+                self.push(entered, entry, id, &promise);
+            }
+            if let Some((entered, entry)) = behind_b {
+                let side = Side { places: [at_b, at_c], length: triangle.second_side, is_upward: b < c };
+                let window = window.reversed(base).behind_first_side(&triangle.mirrored());
+                let promise = Promise::new(&window, &side, self.goal);
+                self.push(entered, entry, id, &promise);
+            }
         }
         Ok(None)
     }
 
-    /// Takes up the window that lies on `exit` in its direction, unless it comes too late.
-    #[inline]
-    fn push(&mut self, exit: &Exit, parent: u32, window: impl FnOnce() -> Window) {
-        let Some(entered) = self.mesh.twin(exit.letter) else { return };
-        let Scratch { entries, views, windows, free, queue, stamp } = &mut self.scratch;
-        let known = &mut entries[self.graph.entry_of(entered)];
-        if known.1 == *stamp + 1 {
-            return;
-        }
-        let window = window();
-        let (along, off) = place_beside(exit.places, exit.length, self.goal);
-        let from_middle = 0.5 * exit.length - along;
-        let [so_far, rest] = window.lengths_to(along, off);
-        let estimate = so_far + REST_WEIGHT * rest + TIE_BREAK * (from_middle * from_middle + off * off).sqrt();
-        if known.1 == *stamp && estimate as f32 > known.0 {
-            return;
-        }
-        *known = (estimate as f32, *stamp);
-        let is_upward = exit.ends[0] < exit.ends[1];
-        let waiting = (if is_upward { window } else { window.reversed(exit.length) }, exit.length);
-        let slot = match free.pop() {
-            Some(slot) => {
-                windows[slot as usize] = waiting;
-                slot
+    /// Takes up a window by which `entered` can be entered, unless one that promises as little waits there.
+    #[inline(always)]
+    fn push(&mut self, entered: HalfedgeId, entry: usize, parent: u32, promise: &Promise) {
+        let Scratch { entries, views, waiting, free, queue, stamp } = &mut self.scratch;
+        let known = &mut entries[entry];
+        let view = views.len() as u32;
+        let window = Waiting { promise: *promise, entered, view };
+        let slot = if known.1 == *stamp {
+            let place = &mut waiting[known.0 as usize];
+            // By their bits, as the queue has them.
+            if promise.estimate.to_bits() >= place.promise.estimate.to_bits() {
+                return;
             }
-            None => {
-                windows.push(waiting);
-                windows.len() as u32 - 1
-            }
+            *place = window;
+            known.0
+        } else {
+            let slot = match free.pop() {
+                Some(slot) => {
+                    waiting[slot as usize] = window;
+                    slot
+                }
+                None => {
+                    waiting.push(window);
+                    waiting.len() as u32 - 1
+                }
+            };
+            *known = (slot, *stamp);
+            slot
         };
-        queue.push(estimate, pack(views.len() as u32, slot));
+        queue.push(promise.estimate, pack(view, slot));
         views.push(View { entered, parent });
     }
 
@@ -337,17 +365,6 @@ fn without_repeats(mesh: &SurfaceMesh, word: Vec<HalfedgeId>) -> Vec<HalfedgeId>
     }
     debug_assert!(kept.windows(2).all(|pair| mesh.twin(pair[0]).is_some_and(|h| h.triangle() == pair[1].triangle())));
     kept
-}
-
-/// Where a point lies beside an edge of length `length`: along it, and off its line.
-#[inline]
-fn place_beside([a, b]: [DVec3; 2], length: f64, point: DVec3) -> (f64, f64) {
-    let offset = point - a;
-    if length == 0.0 {
-        return (0.0, offset.length());
-    }
-    let direction = (b - a) * length.recip();
-    (offset.dot(direction), offset.cross(direction).length())
 }
 
 /// See [`SLIVER`].
