@@ -237,7 +237,7 @@ STROKE_COUNTERS = ("stroke_breaks", "pops", "strip_triangles", "iterations", "mo
 COUNTED = [
     ("none", (0, 0, 121, 0, 0, 0)),
     ("geodesic", (0, 0, 121, 6, 0, 21)),
-    ("cubic", (0, 0, 121, 3, 608, 0)),
+    ("cubic", (0, 0, 121, 2, 811, 0)),
 ]
 
 

@@ -12,24 +12,26 @@ use crate::error::{Error, Result};
 use crate::filter::{Edge, Side, SlidingFilter, Target};
 use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
-use crate::relax::heap::{HeapEnd, HeapOutcome, relax_by_heap};
+use crate::relax::heap::relax_by_heap;
 use crate::relax::implicit::{ImplicitOutcome, relax_implicitly, relax_ranges_implicitly};
 use crate::relax::newton::{NEWTON_TOLERANCE, relax_by_newton};
+use crate::relax::sweeps::relax_by_sweeps;
+use crate::relax::swing::{SlideEnd, SlideOutcome};
 use crate::report::{Observer, Report, Step};
-use crate::sliding_stages::{STEPS_A_ROUND, Stage, moves_a_spell};
+use crate::sliding_stages::{MOVES_BEFORE_STEPS, Order, STEPS_A_ROUND, Stage, moves_a_spell};
 use crate::smooth::go_on;
 
 /// The first implicit step, in the motion's own time: about as far as each crossing is from its target.
 const FIRST_TIME_STEP: f64 = 1.0;
 
 /// Time steps of a line that is not brought to rest by its first ones: no longer than this at first, so that the steps after a
-/// spell of the heap begin gently.
+/// spell begin gently.
 const LONGEST_FIRST_STEP: f64 = 64.0;
 
 /// Steps of all crossings at once do good as long as they are not shorter than this.
 const GOOD_TIME_STEP: f64 = 1.0;
 
-/// Spells of the heap within one step C.
+/// Spells of moves one by one within one step C.
 const MOST_SPELLS: u32 = 30;
 
 /// Moves of the heap where Newton has failed for good, for each crossing; the line is then as near its limit as it gets.
@@ -87,13 +89,15 @@ pub struct Sliders<'a> {
     pub beads: &'a mut Beads,
     /// Ranges of beads.
     pub near_open: Option<&'a [Range<usize>]>,
+    /// In which they move where they do not move at once.
+    pub order: Order,
 }
 
 /// How step C ended.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StepEnd {
-    /// As the heap's; steps of all crossings at once count as settled.
-    pub end: HeapEnd,
+    /// As of moves one by one; steps of all crossings at once count as settled.
+    pub end: SlideEnd,
     /// Whether Newton has brought the line to its fixed point.
     pub by_newton: bool,
 }
@@ -107,8 +111,8 @@ pub struct Stages {
     most_moves: u64,
     crossings: usize,
     time_step: f64,
-    /// Whether the heap has just given up.
-    is_after_heap: bool,
+    /// Whether moves one by one have just given up.
+    needs_steps: bool,
 }
 
 impl Stages {
@@ -116,11 +120,11 @@ impl Stages {
     pub fn new(stages: VecDeque<Stage>, threshold: f64, crossings: usize) -> Self {
         let mut stages = Self {
             left: stages,
-            stage: Stage::Heap { threshold, moves: None },
+            stage: Stage::OneByOne { threshold, moves: None },
             most_moves: 0,
             crossings,
             time_step: FIRST_TIME_STEP,
-            is_after_heap: false,
+            needs_steps: false,
         };
         stages.go_to_next(0);
         stages
@@ -145,25 +149,27 @@ impl Stages {
     pub fn go_to_next(&mut self, moves: u64) -> bool {
         let Some(next) = self.left.pop_front() else { return false };
         match next {
-            Stage::Heap { moves: Some(more), .. } | Stage::Newton { moves: more, .. } => self.most_moves = moves + more,
+            Stage::OneByOne { moves: Some(more), .. } | Stage::Newton { moves: more, .. } => {
+                self.most_moves = moves + more
+            }
             _ => {}
         }
-        (self.stage, self.is_after_heap) = (next, true);
+        (self.stage, self.needs_steps) = (next, true);
         true
     }
 
-    /// Begins the next stage where the heap has run out of moves or left vertices in the middle of a swing; false if there is
+    /// Begins the next stage where moves one by one have run out or left vertices in the middle of a swing; false if there is
     /// none for that.
-    pub fn go_on_from(&mut self, end: HeapEnd, moves: u64) -> bool {
+    pub fn go_on_from(&mut self, end: SlideEnd, moves: u64) -> bool {
         let is_over = match end {
-            HeapEnd::Settled => false,
-            HeapEnd::Swinging => self.left.len() == 1,
-            HeapEnd::Stopped => true,
+            SlideEnd::Settled => false,
+            SlideEnd::Swinging => self.left.len() == 1,
+            SlideEnd::Stopped => true,
         };
         is_over && matches!(self.left.back(), Some(Stage::Rest { .. })) && self.go_to_next(moves)
     }
 
-    /// Whether a line that the heap has brought to rest has stages to come.
+    /// Whether a line that moves one by one have brought to rest has no stages to come but such as it passes over.
     pub fn is_last_at_rest(&self) -> bool {
         self.left.iter().all(|stage| matches!(stage, Stage::Rest { .. }))
     }
@@ -183,41 +189,43 @@ impl Stages {
         match self.stage {
             Stage::Newton { threshold, .. } => {
                 if settle_by_newton(sliders.beads, filter, report, observer)? {
-                    return Ok(StepEnd { end: HeapEnd::Settled, by_newton: true });
+                    return Ok(StepEnd { end: SlideEnd::Settled, by_newton: true });
                 }
                 // The heap goes on from the best place that Newton found.
                 let share = MOVES_AFTER_NEWTON * self.crossings as u64;
                 let moves = self.most_moves.saturating_sub(report.moves).min(share);
-                slid(sliders.slide_by_heap(filter, threshold, moves, report, observer)?.end)
+                slid(sliders.slide_one_by_one(filter, threshold, moves, report, observer)?.end)
             }
-            Stage::Heap { threshold, .. } => {
+            Stage::OneByOne { threshold, .. } => {
                 let moves = self.most_moves.saturating_sub(report.moves);
-                slid(sliders.slide_by_heap(filter, threshold, moves, report, observer)?.end)
+                slid(sliders.slide_one_by_one(filter, threshold, moves, report, observer)?.end)
             }
             Stage::Implicit { threshold, steps } => {
+                let moves = MOVES_BEFORE_STEPS * self.crossings as u64;
+                sliders.slide_one_by_one(filter, threshold, moves, report, observer)?;
                 let most = STEPS_A_ROUND.min(steps);
                 let outcome = sliders.step(filter, threshold, most, &mut self.time_step, report, observer)?;
                 let left = if outcome.is_settled { 0 } else { steps - most };
                 self.stage = Stage::Implicit { threshold, steps: left };
-                slid(HeapEnd::Settled)
+                slid(SlideEnd::Settled)
             }
             Stage::Rest { .. } => slid(self.bring_to_rest(sliders, filter, report, observer)?),
         }
     }
 
-    /// Spells of the heap, and steps of all crossings at once after each that has not brought the line to rest.
+    /// Spells of moves one by one, and steps of all crossings at once after each that has not brought the line to rest.
     fn bring_to_rest(
         &mut self,
         sliders: &mut Sliders,
         filter: &impl SlidingFilter,
         report: &mut Report,
         observer: &mut dyn Observer,
-    ) -> Result<HeapEnd> {
-        let Stage::Rest { threshold, steps, mut moves } = self.stage else { return Ok(HeapEnd::Stopped) };
+    ) -> Result<SlideEnd> {
+        let Stage::Rest { threshold, steps, mut moves } = self.stage else { return Ok(SlideEnd::Stopped) };
         let mut time_step = FIRST_TIME_STEP;
-        let mut end = HeapEnd::Stopped;
+        let mut end = SlideEnd::Stopped;
         for _ in 0..MOST_SPELLS {
-            if self.is_after_heap {
+            if self.needs_steps {
                 let mut left = steps;
                 while left > 0 {
                     let most = STEPS_A_ROUND.min(left);
@@ -228,12 +236,16 @@ impl Stages {
                 time_step = time_step.clamp(FIRST_TIME_STEP, LONGEST_FIRST_STEP);
             }
             let most = moves.min(moves_a_spell(sliders.beads.len()));
-            let outcome = sliders.slide_by_heap(&Content(filter), threshold, most, report, observer)?;
+            let outcome = sliders.slide_one_by_one(&Content(filter), threshold, most, report, observer)?;
             moves -= outcome.moves;
             self.stage = Stage::Rest { threshold, steps, moves };
             end = outcome.end;
-            self.is_after_heap = end != HeapEnd::Settled;
-            if !self.is_after_heap || moves == 0 {
+            self.needs_steps = end != SlideEnd::Settled;
+            if self.needs_steps {
+                // The steps move what they will, and more than was off at first may be then.
+                sliders.near_open = None;
+            }
+            if !self.needs_steps || moves == 0 {
                 break;
             }
         }
@@ -241,7 +253,7 @@ impl Stages {
     }
 }
 
-/// Steps of all crossings at once end at this share of the threshold, so that the heap has nothing left to do.
+/// Steps of all crossings at once end at this share of the threshold, so that nothing is left to move one by one.
 const GOAL: f64 = 0.5;
 
 impl Sliders<'_> {
@@ -264,21 +276,25 @@ impl Sliders<'_> {
         Ok(outcome)
     }
 
-    /// The heap, which the observer may end.
-    fn slide_by_heap(
+    /// One crossing after the other, which the observer may end.
+    fn slide_one_by_one(
         &mut self,
         filter: &impl SlidingFilter,
         threshold: f64,
         move_limit: u64,
         report: &mut Report,
         observer: &mut dyn Observer,
-    ) -> Result<HeapOutcome> {
+    ) -> Result<SlideOutcome> {
         let mut is_stopped = false;
-        let outcome = relax_by_heap(self.beads, filter, threshold, move_limit, self.near_open, || {
+        let on_pause = || {
             let flow = observer.step(Step::Relax);
             is_stopped = flow == ControlFlow::Break(());
             flow
-        });
+        };
+        let outcome = match self.order {
+            Order::Heap => relax_by_heap(self.beads, filter, threshold, move_limit, self.near_open, on_pause),
+            Order::Sweeps => relax_by_sweeps(self.beads, filter, threshold, move_limit, self.near_open, on_pause),
+        };
         report.moves += outcome.moves;
         if is_stopped { Err(Error::Interrupted) } else { Ok(outcome) }
     }
@@ -299,8 +315,8 @@ fn settle_by_newton(
             return Ok(true);
         }
         let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
-        let mut all = Sliders { beads: &mut *beads, near_open: None };
-        all.slide_by_heap(filter, NEWTON_TOLERANCE, moves, report, observer)?;
+        let mut all = Sliders { beads: &mut *beads, near_open: None, order: Order::Heap };
+        all.slide_one_by_one(filter, NEWTON_TOLERANCE, moves, report, observer)?;
     }
     Ok(false)
 }

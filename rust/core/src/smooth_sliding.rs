@@ -14,12 +14,12 @@ use crate::mesh::SurfaceMesh;
 use crate::options::{Filter, Options, PAPER_MAX_ITERATIONS, Solver};
 use crate::pauses::Pauses;
 use crate::relax::beads::Beads;
-use crate::relax::heap::HeapEnd;
 use crate::relax::newton::NEWTON_TOLERANCE;
+use crate::relax::swing::SlideEnd;
 use crate::report::{Observer, Report, Step, StopReason};
 use crate::route::Route;
 use crate::sliding_pass::{MERGING, PassWork, pass_vertices};
-use crate::sliding_stages::choose_stages;
+use crate::sliding_stages::{Order, choose_stages};
 use crate::sliding_steps::{Sliders, Stages, StepEnd};
 use crate::smooth::go_on;
 use crate::smooth_geodesic::points_of;
@@ -48,6 +48,7 @@ pub fn smooth_sliding(
     let crossings: usize = (0..known.len()).filter(|&i| is_open[i]).map(|i| route.legs[i].word.len()).sum();
     let is_draft = known.iter().any(Option::is_some);
     let stages = choose_stages(filter, options, by_newton, last_threshold, crossings, is_draft);
+    let order = Order::of(filter, options);
     let mut stages = Stages::new(stages, last_threshold, crossings);
     let mut seen: HashSet<Vec<(HalfedgeId, u8)>> = HashSet::new();
     let mut work = PassWork::default();
@@ -55,6 +56,8 @@ pub fn smooth_sliding(
     let mut is_finer = false;
     // The line before the last passes, when Newton had brought it to rest.
     let mut settled: Option<Route> = None;
+    // The line of the last step C, when each of its crossings was at rest to a threshold.
+    let mut rested: Option<(Beads, f64)> = None;
     let mut own_repeats = OwnRepeats::of_route(mesh, route);
     go_on(observer, Step::Relax)?;
     loop {
@@ -62,8 +65,12 @@ pub fn smooth_sliding(
         go_on(observer, Step::Relax)?;
         let mut beads = Beads::of_route(mesh, route);
         go_on(observer, Step::Relax)?;
-        let near_open = beads.near_open(route, &is_open, 2 * filter.reach());
-        let mut sliders = Sliders { beads: &mut beads, near_open: near_open.as_deref() };
+        let margin = 2 * filter.reach();
+        let near_open = match &rested {
+            Some((before, threshold)) if *threshold == stages.threshold() => Some(beads.changed_since(before, margin)),
+            _ => beads.near_open(route, &is_open, margin),
+        };
+        let mut sliders = Sliders { beads: &mut beads, near_open: near_open.as_deref(), order };
         let StepEnd { end, by_newton: is_newton } = stages.relax(&mut sliders, filter, report, observer)?;
         if let (true, false, Some(before)) = (by_newton, is_newton, settled.take()) {
             // The passes of the last round lead to a strip on which the line does not come to rest: without them.
@@ -72,6 +79,8 @@ pub fn smooth_sliding(
             continue;
         }
         beads.write_to(route, &mut is_open);
+        let is_at_rest = end == SlideEnd::Settled && order == Order::Sweeps && !stages.is_start();
+        rested = is_at_rest.then(|| (beads, stages.threshold()));
         go_on(observer, Step::Relax)?;
         route.snap_to_vertices(mesh);
         if is_finer {
@@ -90,7 +99,7 @@ pub fn smooth_sliding(
             is_finer = true;
             continue;
         }
-        if end == HeapEnd::Stopped {
+        if end == SlideEnd::Stopped {
             report.stop_reason = StopReason::MaxIterations;
             return Ok(());
         }
@@ -127,7 +136,7 @@ pub fn smooth_sliding(
         } else {
             let has_merged = has_crossing_near_vertex(route, MERGING);
             report.stop_reason = match end {
-                HeapEnd::Swinging => StopReason::Cycle,
+                SlideEnd::Swinging => StopReason::Cycle,
                 // Whether step D would have found something to do was not asked.
                 _ if !has_rounds && has_merged => StopReason::MaxIterations,
                 _ if has_crossing_near_vertex(route, AT_VERTEX) => StopReason::ConvergedAtVertices,

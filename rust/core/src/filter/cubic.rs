@@ -59,8 +59,15 @@ impl SlidingFilter for Cubic {
         t: f64,
         near: Option<f64>,
     ) -> Option<Target> {
-        let target = || self.seek(edge, points, inner, &mut [-1.0; 4], near);
-        (self.support == DEFAULT_SUPPORT).then(|| target().unwrap_or(Target { t, on_curve: None }))
+        if self.support != DEFAULT_SUPPORT {
+            return None;
+        }
+        // Away from the ends of the line it is always the second: loops that the compiler can unroll.
+        let target = match inner {
+            1 => self.seek(edge, points, 1, &mut [-1.0; 4], near),
+            _ => self.seek(edge, points, inner, &mut [-1.0; 4], near),
+        };
+        Some(target.unwrap_or(Target { t, on_curve: None }))
     }
 
     fn target_with_slopes(
@@ -73,51 +80,11 @@ impl SlidingFilter for Cubic {
         if self.support != DEFAULT_SUPPORT {
             return None;
         }
-        let &FourNeighbours { points, slides, inner } = neighbours;
-        let unknown = (Target { t, on_curve: None }, [0.0; 4]);
-        let e = edge.high - edge.low;
-        let mut knots = [-1.0; 4];
-        if !self.place_knots(&points, inner, &mut knots) {
-            let foot = (points[inner] - edge.low).dot(e) / e.length_squared();
-            let target = foot.is_finite().then(|| Target { t: foot.clamp(0.0, 1.0), on_curve: None });
-            return Some(target.map_or(unknown, |target| (target, [0.0; 4])));
-        }
-        let curve = Curve::through(&knots, &points, edge.low);
-        let Some(target) = nearest_on_edge(&curve, e, -1.0, 1.0, near) else { return Some(unknown) };
-        let is_held = target.t == 0.0 || target.t == 1.0;
-        let Some(u) = target.on_curve.filter(|_| !is_held) else { return Some((target, [0.0; 4])) };
-        let Some(weights) = curve.foot_weights(&knots, e, u, target.t) else { return Some((target, [0.0; 4])) };
-        let mut slopes: [f64; 4] = std::array::from_fn(|m| weights[m].dot(slides[m]));
-        // A knot that moves takes the curve along by its own speed there, backwards.
-        let power = match self.knots {
-            Knots::Uniform => return Some((target, slopes)),
-            Knots::Centripetal => 0.5,
-            Knots::Chordal => 1.0,
-        };
-        // How fast the logarithm of each gap grows with the points at its two ends.
-        let stretch: [DVec3; 3] = std::array::from_fn(|i| {
-            let way = points[i + 1] - points[i];
-            way * (1.0 / way.length_squared())
-        });
-        let log_speed = |gap: usize, m: usize| match m {
-            _ if m == gap => -stretch[gap].dot(slides[m]),
-            _ if m == gap + 1 => stretch[gap].dot(slides[m]),
-            _ => 0.0,
-        };
-        for (outer, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, 1.0)] {
-            if outer == inner || outer == inner + 1 || (sign < 0.0) != (outer < inner) {
-                continue;
-            }
-            let drag = weights[outer].dot(curve.speed(knots[outer]));
-            let gaps = if outer < inner { outer..inner } else { inner + 1..outer };
-            for gap in gaps {
-                let step = knots[gap + 1] - knots[gap];
-                for (m, slope) in slopes.iter_mut().enumerate() {
-                    *slope -= drag * sign * power * step * (log_speed(gap, m) - log_speed(inner, m));
-                }
-            }
-        }
-        Some((target, if slopes.iter().all(|s| s.is_finite()) { slopes } else { [0.0; 4] }))
+        // As above.
+        Some(match neighbours.inner {
+            1 => self.follow(edge, neighbours, 1, t, near),
+            inner => self.follow(edge, neighbours, inner, t, near),
+        })
     }
 
     fn is_as_near(&self, edge: &Edge, before: &[DVec3], after: &[DVec3], t: f64, target: Target) -> bool {
@@ -146,6 +113,63 @@ impl Cubic {
     /// The neighbours in the order of the line.
     fn choose_points(&self, before: &[DVec3], after: &[DVec3]) -> Points {
         before.iter().rev().chain(after).copied().take(2 * self.support).collect()
+    }
+
+    /// The target of a vertex between four neighbours, the one at `inner` next to it, and how fast it follows each of them.
+    #[inline(always)]
+    fn follow(
+        &self,
+        edge: &Edge,
+        neighbours: &FourNeighbours,
+        inner: usize,
+        t: f64,
+        near: Option<f64>,
+    ) -> (Target, [f64; 4]) {
+        let &FourNeighbours { points, slides, .. } = neighbours;
+        let unknown = (Target { t, on_curve: None }, [0.0; 4]);
+        let e = edge.high - edge.low;
+        let mut knots = [-1.0; 4];
+        if !self.place_knots(&points, inner, &mut knots) {
+            let foot = (points[inner] - edge.low).dot(e) / e.length_squared();
+            let target = foot.is_finite().then(|| Target { t: foot.clamp(0.0, 1.0), on_curve: None });
+            return target.map_or(unknown, |target| (target, [0.0; 4]));
+        }
+        let curve = Curve::through(&knots, &points, edge.low);
+        let Some(target) = nearest_on_edge(&curve, e, -1.0, 1.0, near) else { return unknown };
+        let is_held = target.t == 0.0 || target.t == 1.0;
+        let Some(u) = target.on_curve.filter(|_| !is_held) else { return (target, [0.0; 4]) };
+        let Some(weights) = curve.foot_weights(&knots, e, u, target.t) else { return (target, [0.0; 4]) };
+        let mut slopes: [f64; 4] = std::array::from_fn(|m| weights[m].dot(slides[m]));
+        // A knot that moves takes the curve along by its own speed there, backwards.
+        let power = match self.knots {
+            Knots::Uniform => return (target, slopes),
+            Knots::Centripetal => 0.5,
+            Knots::Chordal => 1.0,
+        };
+        // How fast the logarithm of each gap grows with the points at its two ends.
+        let stretch: [DVec3; 3] = std::array::from_fn(|i| {
+            let way = points[i + 1] - points[i];
+            way * (1.0 / way.length_squared())
+        });
+        let log_speed = |gap: usize, m: usize| match m {
+            _ if m == gap => -stretch[gap].dot(slides[m]),
+            _ if m == gap + 1 => stretch[gap].dot(slides[m]),
+            _ => 0.0,
+        };
+        for (outer, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, 1.0)] {
+            if outer == inner || outer == inner + 1 || (sign < 0.0) != (outer < inner) {
+                continue;
+            }
+            let drag = weights[outer].dot(curve.speed(knots[outer]));
+            let gaps = if outer < inner { outer..inner } else { inner + 1..outer };
+            for gap in gaps {
+                let step = knots[gap + 1] - knots[gap];
+                for (m, slope) in slopes.iter_mut().enumerate() {
+                    *slope -= drag * sign * power * step * (log_speed(gap, m) - log_speed(inner, m));
+                }
+            }
+        }
+        (target, if slopes.iter().all(|s| s.is_finite()) { slopes } else { [0.0; 4] })
     }
 
     /// Where a vertex on `edge` belongs between `points`, of which `inner` and `inner + 1` are next to it; `None` when they

@@ -80,9 +80,42 @@ impl Beads {
             }
             next = end;
         }
-        let starts = (0..is_near.len()).filter(|&i| is_near[i] && (i == 0 || !is_near[i - 1]));
-        let end_of = |start: usize| (start..is_near.len()).find(|&i| !is_near[i]).unwrap_or(is_near.len());
-        Some(starts.map(|start| start..end_of(start)).collect())
+        Some(ranges_of(&is_near))
+    }
+
+    /// The beads that are not where those of `before` are, in the same order on the same edges, and `margin` more on each side of them.
+    /// Finds what step D has done to a line, which is little as a rule; where there is too much to be followed, all the rest.
+    pub fn changed_since(&self, before: &Self, margin: usize) -> Vec<Range<usize>> {
+        let is_same = |i: usize, j: usize| {
+            i < self.len()
+                && j < before.len()
+                && self.parameters[i] == before.parameters[j]
+                && self.edges[i] == before.edges[j]
+                && self.is_fixed[i] == before.is_fixed[j]
+        };
+        let mut is_near = vec![false; self.len()];
+        let mut mark = |from: usize, to: usize| {
+            is_near[from..to].fill(true);
+            for (start, forward) in [(to.min(self.len() - 1), true), (from.max(1) - 1, false)] {
+                let next = |&at: &usize| self.step(at, forward);
+                std::iter::successors(Some(start), next).take(margin).for_each(|at| is_near[at] = true);
+            }
+        };
+        let (mut i, mut j) = (0, 0);
+        while i < self.len() || j < before.len() {
+            if is_same(i, j) {
+                (i, j) = (i + 1, j + 1);
+                continue;
+            }
+            // The nearest place where both go on alike.
+            let skips = (1..=MOST_SKIPPED).flat_map(|both| (0..=both).map(move |here| (here, both - here)));
+            let mut places = skips.map(|(here, there)| (i + here, j + there));
+            let next = places.find(|&(i, j)| is_same(i, j) && is_same(i + 1, j + 1));
+            let (to, there) = next.unwrap_or((self.len(), before.len()));
+            mark(i, to);
+            (i, j) = (to, there);
+        }
+        ranges_of(&is_near)
     }
 
     /// The beads of a range as an open line of its own, with up to `flank` fixed ones more on each side, and the place here of
@@ -228,5 +261,57 @@ impl Beads {
             (false, true) => others - i,
             (false, false) => i,
         })
+    }
+}
+
+/// Beads that one change may put in the place of others, both counted, so that what follows is found again.
+const MOST_SKIPPED: usize = 64;
+
+/// The stretches of set flags.
+fn ranges_of(flags: &[bool]) -> Vec<Range<usize>> {
+    let starts = (0..flags.len()).filter(|&i| flags[i] && (i == 0 || !flags[i - 1]));
+    let end_of = |start: usize| (start..flags.len()).find(|&i| !flags[i]).unwrap_or(flags.len());
+    starts.map(|start| start..end_of(start)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Beads on edges that are told by the numbers, in their middles.
+    fn beads(numbers: &[i32], closed: bool) -> Beads {
+        let mut beads = Beads { closed, ..Beads::default() };
+        for &number in numbers {
+            let low = DVec3::new(f64::from(number), 0.0, 0.0);
+            beads.push(Edge { low, high: low + DVec3::Y }, 0.5);
+        }
+        beads
+    }
+
+    #[test]
+    fn what_has_changed_is_found_with_its_neighbours() {
+        let all: Vec<i32> = (0..200).collect();
+        let changed = |now: &Beads| -> Vec<(usize, usize)> {
+            let ranges = now.changed_since(&beads(&all, now.closed), 4);
+            ranges.into_iter().map(|range| (range.start, range.end)).collect()
+        };
+        let ask = |now: &[i32], closed| changed(&beads(now, closed));
+        assert_eq!(ask(&all, false), []);
+        // Three others in the place of two.
+        let now = [&all[..50], &[500, 501, 502], &all[52..]].concat();
+        assert_eq!(ask(&now, false), [(46, 57)]);
+        // Two lost, and two places at once.
+        assert_eq!(ask(&[&all[..50], &all[52..]].concat(), false), [(46, 54)]);
+        let now = [&all[..20], &[500], &all[21..100], &[501, 502], &all[100..]].concat();
+        assert_eq!(ask(&now, false), [(16, 25), (96, 106)]);
+        // Across the seam of a ring, and at the ends of an open line.
+        assert_eq!(ask(&[&[500], &all[1..]].concat(), true), [(0, 5), (197, 200)]);
+        assert_eq!(ask(&[&[500], &all[1..]].concat(), false), [(0, 5)]);
+        assert_eq!(ask(&all[..150], false), [(146, 150)]);
+        // One that has moved on its edge; too much to be followed.
+        let mut moved = beads(&all, false);
+        moved.slide(100, 0.25);
+        assert_eq!(changed(&moved), [(96, 105)]);
+        assert_eq!(ask(&[&all[..50], &all[150..]].concat(), false), [(46, 100)]);
     }
 }

@@ -4,7 +4,7 @@
 //! that is its distance from it. What is long on the line takes that motion long: moves grow with the square of the
 //! crossings. As each target hangs on four neighbours, a long step of the same motion, taken implicitly, is one band solve.
 //!
-//! It is a start for the heap, which is the judge of every vertex: the map is no descent, so these steps are few, and end
+//! It is a start for moves one by one, which judge every vertex: the map is no descent, so these steps are few, and end
 //! where they do no good.
 
 use std::ops::Range;
@@ -190,7 +190,8 @@ mod tests {
     use crate::filter::cubic::Cubic;
     use crate::filter::linear::Linear;
     use crate::options::{DEFAULT_SUPPORT, Knots};
-    use crate::relax::heap::{HeapEnd, relax_by_heap};
+    use crate::relax::heap::relax_by_heap;
+    use crate::relax::swing::SlideEnd;
 
     const NO_END: &str = "nothing ends the work";
 
@@ -222,10 +223,10 @@ mod tests {
         assert!(outcome.is_settled && largest_error(&beads) <= 1e-6, "{outcome:?}");
         let mut slow = fence(200);
         let heap = relax_by_heap(&mut slow, &CUBIC, 1e-6, 20_000, None, || ControlFlow::Continue(()));
-        assert_eq!(heap.end, HeapEnd::Stopped, "{} moves, and {} steps", heap.moves, outcome.steps);
+        assert_eq!(heap.end, SlideEnd::Stopped, "{} moves, and {} steps", heap.moves, outcome.steps);
         // The heap has nothing left to do where the steps have ended.
         let rest = relax_by_heap(&mut beads, &CUBIC, 1e-6, 20_000, None, || ControlFlow::Continue(()));
-        assert_eq!((rest.moves, rest.end), (0, HeapEnd::Settled));
+        assert_eq!((rest.moves, rest.end), (0, SlideEnd::Settled));
     }
 
     #[test]
