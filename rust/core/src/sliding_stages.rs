@@ -93,7 +93,7 @@ const IMPLICIT_STEPS: u64 = 16;
 /// Measured on 78 lines: with 12 one closed line went on round its picks twice.
 pub const MOVES_BEFORE_STEPS: u64 = 4;
 
-/// Of these, so many before vertices are passed: a line that comes to rest in a strip that it has to leave crowds at vertices, and
+/// Of the steps, so many before vertices are passed: a line that comes to rest in a strip that it has to leave crowds at vertices, and
 /// turns more in the end (by a sixth with sixteen steps in a row, measured on 29 lines).
 pub const STEPS_A_ROUND: u64 = 8;
 
