@@ -11,11 +11,14 @@ THRESHOLD = 1e-4
 SLACK = 1e-6
 
 
-def cubic_place(low, high, around):
-    """Where on the edge from `low` to `high` the point nearest the centripetal cubic through four points is."""
+def cubic_place(low, high, around, inner=1):
+    """Where on the edge from `low` to `high` the point nearest the centripetal cubic through four points is.
+
+    The vertex lies between those at `inner` and `inner + 1`.
+    """
     gaps = np.sqrt(np.linalg.norm(np.diff(around, axis=0), axis=1))
-    steps = 2 * gaps / gaps[1]
-    knots = np.array([-1 - steps[0], -1, 1, 1 + steps[2]])
+    knots = np.concatenate([[0], np.cumsum(2 * gaps / gaps[inner])])
+    knots -= knots[inner] + 1
     edge = high - low
     low_u, high_u = -1.0, 1.0
     for _ in range(4):
@@ -53,3 +56,19 @@ def test_a_line_that_has_settled_is_where_the_filter_wants_it(name, picks):
             off.append((i, abs(place - here)))
     assert judged > len(points) / 3, "hardly anything was judged"
     assert not off, f"{len(off)} of {judged}: {off[:5]}"
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_what_is_left_beside_a_pin_that_has_become_an_end_is_at_rest(at_end):
+    """A vertex next to an end looks at three neighbours on the other side: where a pin became one, at others than before."""
+    surface = open_surface("bunny00.off")
+    picks = [100, 20000, 40000, 60000]
+    line = surface.mesh.polyline(picks, filter="cubic", pinned="all", threshold=1e-2)
+    shorter = line.with_picks(picks[:-1] if at_end else picks[1:])
+    assert shorter.report.kept_legs == 2, "no leg was made again"
+    points = shorter.points if at_end else shorter.points[::-1]
+    barycentric, triangles = shorter.barycentric[-2 if at_end else 1], shorter.triangles[-2 if at_end else 1]
+    low, high = (surface.positions[v] for v in sorted(surface.triangles[triangles][barycentric > 0]))
+    here = np.linalg.norm(points[-2] - low) / np.linalg.norm(high - low)
+    place = cubic_place(low, high, points[[-5, -4, -3, -1]], inner=2)
+    assert abs(place - here) <= 1e-2 + SLACK, "it stayed where it was"

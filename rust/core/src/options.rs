@@ -77,7 +77,7 @@ pub struct Options {
     pub pinned: Pinned,
     /// How step C is solved.
     pub solver: Solver,
-    /// Barycentric units; the heap stops when no vertex is further than this from its target.
+    /// Barycentric units; step C ends when no vertex is further than this from its target.
     pub threshold: f64,
     /// Most rounds of C and D; `None`: [`PAPER_MAX_ITERATIONS`] for `linear` and `cubic`, a bound by the size
     /// of the strip for `geodesic` and `fair`.

@@ -36,7 +36,7 @@ impl StopReason {
 pub struct Report {
     /// Rounds of steps C and D.
     pub iterations: u32,
-    /// Moves of single vertices by the heap.
+    /// Moves of single vertices, one by one.
     pub moves: u64,
     /// Whole-strip steps: Newton steps of `linear`, Gauss-Newton steps of `fair`, also those that were taken back.
     pub newton_steps: u64,

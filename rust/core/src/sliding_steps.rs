@@ -111,7 +111,7 @@ pub struct Stages {
     most_moves: u64,
     crossings: usize,
     time_step: f64,
-    /// Whether moves one by one have just given up.
+    /// Whether steps of all crossings at once come before the next spell of moves one by one.
     needs_steps: bool,
 }
 

@@ -56,7 +56,8 @@ pub fn smooth_sliding(
     let mut is_finer = false;
     // The line before the last passes, when Newton had brought it to rest.
     let mut settled: Option<Route> = None;
-    // The line of the last step C, when each of its crossings was at rest to a threshold.
+    // The line of the last step C, when sweeps had brought each of its crossings to rest to a threshold; the paper's heap judges all
+    // anew.
     let mut rested: Option<(Beads, f64)> = None;
     let mut own_repeats = OwnRepeats::of_route(mesh, route);
     go_on(observer, Step::Relax)?;

@@ -30,7 +30,7 @@ pub struct Promise {
 
 /// A side by which a line leaves a triangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Side {
+pub struct Exit {
     /// Its ends.
     pub places: [DVec3; 2],
     /// Its length.
@@ -40,14 +40,14 @@ pub struct Side {
 }
 
 impl Promise {
-    /// Of a window in the direction of `side`.
+    /// Of a window in the direction of `exit`.
     #[inline(always)]
-    pub fn new(window: &Window, side: &Side, goal: DVec3) -> Self {
-        let (along, off) = place_beside(side.places, side.length, goal);
-        let from_middle = 0.5 * side.length - along;
+    pub fn new(window: &Window, exit: &Exit, goal: DVec3) -> Self {
+        let (along, off) = place_beside(exit.places, exit.length, goal);
+        let from_middle = 0.5 * exit.length - along;
         let [so_far, rest] = window.lengths_to(along, off);
         let estimate = so_far + REST_WEIGHT * rest + TIE_BREAK * (from_middle * from_middle + off * off).sqrt();
-        Self { window: window.upward(side.length, side.is_upward), length: side.length, estimate }
+        Self { window: window.upward(exit.length, exit.is_upward), length: exit.length, estimate }
     }
 }
 

@@ -25,7 +25,7 @@ use crate::search::FoundStrip;
 use crate::spot::{Spot, spot_of, triangles_round};
 use crate::surface_point::SurfacePoint;
 use crate::window::{FlatTriangle, Window};
-use crate::window_promise::{Promise, Side, place_beside};
+use crate::window_promise::{Exit, Promise, place_beside};
 
 /// A triangle is a sliver when its height over its longest side is below this share of that side. Measured: with one view
 /// a triangle lines on a mesh of slivers are 0.8 % longer than the shortest on average, with this 0.5 %; scans, where few
@@ -221,9 +221,9 @@ impl Search<'_> {
             let places = ends.map(|v| mesh.position(v));
             let length = places[0].distance(places[1]);
             let Some(entered) = mesh.twin(letter) else { continue };
-            let side = Side { places, length, is_upward: ends[0] < ends[1] };
+            let exit = Exit { places, length, is_upward: ends[0] < ends[1] };
             let window = Window::whole(position, places[0], places[1], length);
-            self.push(entered, self.graph.entry_of(entered), NO_PARENT, &Promise::new(&window, &side, self.goal));
+            self.push(entered, self.graph.entry_of(entered), NO_PARENT, &Promise::new(&window, &exit, self.goal));
         }
     }
 
@@ -266,14 +266,14 @@ impl Search<'_> {
             let triangle = FlatTriangle::new([at_a, at_b, at_c], base);
             let window = *window;
             if let Some((entered, entry)) = behind_a {
-                let side = Side { places: [at_a, at_c], length: triangle.first_side, is_upward: a < c };
-                let promise = Promise::new(&window.behind_first_side(&triangle), &side, self.goal);
+                let exit = Exit { places: [at_a, at_c], length: triangle.first_side, is_upward: a < c };
+                let promise = Promise::new(&window.behind_first_side(&triangle), &exit, self.goal);
                 self.push(entered, entry, id, &promise);
             }
             if let Some((entered, entry)) = behind_b {
-                let side = Side { places: [at_b, at_c], length: triangle.second_side, is_upward: b < c };
+                let exit = Exit { places: [at_b, at_c], length: triangle.second_side, is_upward: b < c };
                 let window = window.reversed(base).behind_first_side(&triangle.mirrored());
-                let promise = Promise::new(&window, &side, self.goal);
+                let promise = Promise::new(&window, &exit, self.goal);
                 self.push(entered, entry, id, &promise);
             }
         }

@@ -40,7 +40,7 @@ impl PySurfaceMesh {
     /// solver : "auto" or "heap"
     ///     "heap" is the paper's one-vertex-at-a-time relaxation, for "linear" and "cubic".
     /// threshold : float
-    ///     Barycentric units; the heap stops when no vertex is further than this from its target.
+    ///     Barycentric units; step C ends when no vertex is further than this from its target.
     /// max_iterations : int, optional
     ///     Most rounds of relaxation and vertex passes. None: 100 for the paper's filters, what convergence takes for
     ///     "geodesic" and "fair".

@@ -37,7 +37,7 @@ impl PyReport {
         self.report.iterations
     }
 
-    /// Moves of single vertices by the heap: an int.
+    /// Moves of single vertices, one by one: an int.
     #[getter]
     fn moves(&self) -> u64 {
         self.report.moves

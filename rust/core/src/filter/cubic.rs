@@ -41,10 +41,6 @@ impl SlidingFilter for Cubic {
         if before.is_empty() || after.is_empty() {
             return unknown;
         }
-        // The common case without lists of unknown length: the heap asks millions of times.
-        if let ([b1, b2], [a1, a2]) = (before, after) {
-            return self.seek(edge, &[*b2, *b1, *a1, *a2], 1, &mut [-1.0; 4], near).unwrap_or(unknown);
-        }
         let points = self.choose_points(before, after);
         let mut knots: Row = points.iter().map(|_| -1.0).collect();
         self.seek(edge, &points, before.len() - 1, &mut knots, near).unwrap_or(unknown)

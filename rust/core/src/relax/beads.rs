@@ -1,6 +1,6 @@
 //! The vertices of a line as step C sees them: points that slide on their mesh edges, and fixed points between them.
 //!
-//! Holds what the heap and Newton share: edges, parameters, positions, and who is whose neighbour.
+//! Holds what the ways to move them share: edges, parameters, positions, and who is whose neighbour.
 
 use std::ops::Range;
 
@@ -59,7 +59,7 @@ impl Beads {
     }
 
     /// The beads of the legs with their flag in `is_open` of the route that the beads were made from, and `margin` more on
-    /// each side; `None` if these are all.
+    /// each side, and as many at both ends of an open line; `None` if these are all.
     pub fn near_open(&self, route: &Route, is_open: &[bool], margin: usize) -> Option<Vec<Range<usize>>> {
         if is_open.iter().all(|&open| open) {
             return None;
@@ -80,10 +80,16 @@ impl Beads {
             }
             next = end;
         }
+        if !self.closed {
+            // What is an end now may have been a pin with neighbours beyond it.
+            let count = margin.min(self.len());
+            is_near[..count].fill(true);
+            is_near[self.len() - count..].fill(true);
+        }
         Some(ranges_of(&is_near))
     }
 
-    /// The beads that are not where those of `before` are, in the same order on the same edges, and `margin` more on each side of them.
+    /// The beads that are not where those of `before` are, in the same order on the same edges, and up to `margin` more on each side of them.
     /// Finds what step D has done to a line, which is little as a rule; where there is too much to be followed, all the rest.
     pub fn changed_since(&self, before: &Self, margin: usize) -> Vec<Range<usize>> {
         let is_same = |i: usize, j: usize| {

@@ -9,13 +9,10 @@ use std::slice;
 
 use crate::filter::SlidingFilter;
 use crate::relax::beads::{Beads, Neighbours};
-use crate::relax::swing::{SlideEnd, SlideOutcome, Swing, end_of, for_each_follower};
+use crate::relax::swing::{MAX_SEEKS, SlideEnd, SlideOutcome, Swing, end_of, for_each_follower};
 
 /// Moves between two calls of `on_pause`.
 const MOVES_PER_PAUSE: u64 = 1 << 12;
-
-/// Times that all nearest points are sought again when nothing is left to move; once is enough, as a rule.
-const MAX_SEEKS: u32 = 8;
 
 /// Slides the beads until no free one is further than `threshold` (barycentric units) from its target, or until
 /// `move_limit` moves. `on_pause` is called now and then and may stop the work. `first`: the beads that may be off their

@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn other_filters_and_short_lines_are_left_to_the_heap_and_pauses_end_the_work() {
+    fn other_filters_and_short_lines_are_left_as_they_are_and_pauses_end_the_work() {
         let mut beads = fence(60);
         let before = beads.parameters.clone();
         let nothing = ImplicitOutcome::default();

@@ -1,7 +1,7 @@
 //! Step C vertex by vertex along the line, to and fro: every vertex that is off its target moves when it is come to.
 //!
 //! Where many vertices are off, this is as good an order as the heap's (`heap`), and a move costs one or two targets instead of four: those of
-//! the neighbours are not asked before their turn. Whoever has not lost a neighbour's place since its own turn is passed
+//! the neighbours are not asked before their turn. A vertex none of whose neighbours has moved since its own turn is passed
 //! over. How one vertex moves is in `swing`.
 //!
 //! Source: sweeps to and fro are the symmetric form of the Gauss-Seidel method.
@@ -11,13 +11,10 @@ use std::slice;
 
 use crate::filter::SlidingFilter;
 use crate::relax::beads::{Beads, Neighbours};
-use crate::relax::swing::{SlideEnd, SlideOutcome, Swing, end_of, for_each_follower};
+use crate::relax::swing::{MAX_SEEKS, SlideEnd, SlideOutcome, Swing, end_of, for_each_follower};
 
 /// Targets between two calls of `on_pause`.
 const TARGETS_PER_PAUSE: u64 = 1 << 13;
-
-/// Times that all nearest points are sought again when nothing is left to move; once is enough, as a rule.
-const MAX_SEEKS: u32 = 8;
 
 /// Slides the beads until no free one is further than `threshold` (barycentric units) from its target, or until
 /// `move_limit` moves. `on_pause` is called now and then and may stop the work. `first`: the beads that may be off their
@@ -82,16 +79,18 @@ pub fn relax_by_sweeps(
             break;
         }
         seeks += 1;
-        while let Some(i) = followed.first_from(0) {
+        let mut next = followed.first_from(0);
+        while let Some(i) = next {
             followed.clear(i);
             swings[i].forget_place();
             due.set(i);
+            next = followed.first_from(i + 1);
         }
     }
     SlideOutcome { moves, end: end_of(beads, &swings, threshold) }
 }
 
-/// A set of vertices, of which the next one is found in no time however far it is: one bit each, and one for every 64 that are not
+/// A set of vertices, of which the next one is found in a step for every 4096 between: one bit each, and one for every 64 that are not
 /// all empty.
 struct Marks {
     bits: Vec<u64>,

@@ -19,6 +19,9 @@ const DAMPING: f64 = 0.8;
 /// A vertex rests, although it is off its target, when its damped step is below this share of the threshold.
 const REST: f64 = 0.01;
 
+/// Times that nearest points which were followed are sought everywhere when nothing is left to move; once is enough, as a rule.
+pub const MAX_SEEKS: u32 = 8;
+
 /// How a relaxation ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SlideEnd {
