@@ -60,7 +60,7 @@ def test_a_line_that_has_settled_is_where_the_filter_wants_it(name, picks):
 
 @pytest.mark.parametrize("at_end", [False, True])
 def test_what_is_left_beside_a_pin_that_has_become_an_end_is_at_rest(at_end):
-    """A vertex next to an end looks at three neighbours on the other side: where a pin became one, at others than before."""
+    """A vertex next to an end looks at three on the other side: where a pin became one, at others than before."""
     surface = open_surface("bunny00.off")
     picks = [100, 20000, 40000, 60000]
     line = surface.mesh.polyline(picks, filter="cubic", pinned="all", threshold=1e-2)
