@@ -14,7 +14,8 @@ use smooth_polylines_core::{Filter, Observer, Options, Pick, Report, Step, Surfa
 use support::shapes::{self, Shape};
 use support::{all_pinned, closed, cubic, faces, fair, files, geodesic, heap, line};
 
-/// Rounds, moves of single crossings (one to two targets each in sweeps, four by the heap), vertices passed, triangles taken from the search queue, funnels run, steps of Newton.
+/// Rounds, moves of single crossings (one to two targets each in sweeps, four by the heap), vertices passed, triangles taken
+/// from the search queue, funnels run, steps of Newton.
 type Counts = [u64; 6];
 
 /// A way to smooth, and what it takes on one line.

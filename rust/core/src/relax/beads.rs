@@ -89,8 +89,8 @@ impl Beads {
         Some(ranges_of(&is_near))
     }
 
-    /// The beads that are not where those of `before` are, in the same order on the same edges, and up to `margin` more on each side of them.
-    /// Finds what step D has done to a line, which is little as a rule; where there is too much to be followed, all the rest.
+    /// The beads that are not where those of `before` are, in the same order on the same edges, and up to `margin` more on each
+    /// side of them. Finds what step D has done to a line, which is little as a rule; where there is too much to be followed, all the rest.
     pub fn changed_since(&self, before: &Self, margin: usize) -> Vec<Range<usize>> {
         let is_same = |i: usize, j: usize| {
             i < self.len()
@@ -283,6 +283,21 @@ fn ranges_of(flags: &[bool]) -> Vec<Range<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Beads {
+        /// Vertices on a fence of parallel edges, up and down in short waves and long ones so high, between fixed ones.
+        pub fn on_a_fence(count: usize, long_wave: f64) -> Self {
+            let mut beads = Self::default();
+            beads.push_fixed(DVec3::ZERO);
+            for i in 1..count {
+                let x = i as f64;
+                let edge = Edge { low: DVec3::new(x, -2.0, 0.0), high: DVec3::new(x, 2.0, 0.3 * (0.2 * x).sin()) };
+                beads.push(edge, 0.5 + 0.2 * (1.7 * x).sin() + long_wave * (0.11 * x).sin());
+            }
+            beads.push_fixed(DVec3::new(count as f64, 0.0, 0.0));
+            beads
+        }
+    }
 
     /// Beads on edges that are told by the numbers, in their middles.
     fn beads(numbers: &[i32], closed: bool) -> Beads {

@@ -5,11 +5,10 @@
 //! `swing`.
 
 use std::ops::{ControlFlow, Range};
-use std::slice;
 
 use crate::filter::SlidingFilter;
 use crate::relax::beads::{Beads, Neighbours};
-use crate::relax::swing::{MAX_SEEKS, SlideEnd, SlideOutcome, Swing, end_of, for_each_follower};
+use crate::relax::swing::{MAX_SEEKS, SlideEnd, SlideOutcome, Swing, end_of, for_each_follower, to_be_asked};
 
 /// Moves between two calls of `on_pause`.
 const MOVES_PER_PAUSE: u64 = 1 << 12;
@@ -30,7 +29,6 @@ pub fn relax_by_heap(
     let mut heap = ErrorHeap::new(beads.len());
     let mut swings = Swing::of_all(beads);
     let mut sides = Neighbours::default();
-    let all = 0..beads.len();
     let stopped = |moves| SlideOutcome { moves, end: SlideEnd::Stopped };
     let mut judge = |beads: &Beads, i: usize, swing: &mut Swing, heap: &mut ErrorHeap| {
         if !beads.is_fixed[i] {
@@ -38,7 +36,7 @@ pub fn relax_by_heap(
             heap.set(i, swing.way_from(beads.parameters[i], threshold));
         }
     };
-    for (count, i) in first.unwrap_or(slice::from_ref(&all)).iter().cloned().flatten().enumerate() {
+    for (count, i) in to_be_asked(beads.len(), first).enumerate() {
         if count as u64 % MOVES_PER_PAUSE == MOVES_PER_PAUSE - 1 && on_pause().is_break() {
             return stopped(0);
         }

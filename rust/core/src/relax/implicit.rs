@@ -197,17 +197,8 @@ mod tests {
 
     const CUBIC: Cubic = Cubic { knots: Knots::Centripetal, support: DEFAULT_SUPPORT };
 
-    /// Vertices on a fence of parallel edges, up and down, between fixed ones.
     fn fence(count: usize) -> Beads {
-        let mut beads = Beads::default();
-        beads.push_fixed(DVec3::ZERO);
-        for i in 1..count {
-            let x = i as f64;
-            let edge = Edge { low: DVec3::new(x, -2.0, 0.0), high: DVec3::new(x, 2.0, 0.3 * (0.2 * x).sin()) };
-            beads.push(edge, 0.5 + 0.2 * (1.7 * x).sin() + 0.2 * (0.11 * x).sin());
-        }
-        beads.push_fixed(DVec3::new(count as f64, 0.0, 0.0));
-        beads
+        Beads::on_a_fence(count, 0.2)
     }
 
     fn largest_error(beads: &Beads) -> f64 {

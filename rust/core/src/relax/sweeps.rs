@@ -1,17 +1,16 @@
 //! Step C vertex by vertex along the line, to and fro: every vertex that is off its target moves when it is come to.
 //!
-//! Where many vertices are off, this is as good an order as the heap's (`heap`), and a move costs one or two targets instead of four: those of
-//! the neighbours are not asked before their turn. A vertex none of whose neighbours has moved since its own turn is passed
-//! over. How one vertex moves is in `swing`.
+//! Where many vertices are off, this is as good an order as the heap's (`heap`), and a move costs one or two targets instead of
+//! four: those of the neighbours are not asked before their turn. A vertex none of whose neighbours has moved since its own
+//! turn is passed over. How one vertex moves is in `swing`.
 //!
 //! Source: sweeps to and fro are the symmetric form of the Gauss-Seidel method.
 
 use std::ops::{ControlFlow, Range};
-use std::slice;
 
 use crate::filter::SlidingFilter;
 use crate::relax::beads::{Beads, Neighbours};
-use crate::relax::swing::{MAX_SEEKS, SlideEnd, SlideOutcome, Swing, end_of, for_each_follower};
+use crate::relax::swing::{MAX_SEEKS, SlideEnd, SlideOutcome, Swing, end_of, for_each_follower, to_be_asked};
 
 /// Targets between two calls of `on_pause`.
 const TARGETS_PER_PAUSE: u64 = 1 << 13;
@@ -30,8 +29,7 @@ pub fn relax_by_sweeps(
     mut on_pause: impl FnMut() -> ControlFlow<()>,
 ) -> SlideOutcome {
     let mut due = Marks::new(beads.len());
-    let all = 0..beads.len();
-    for i in first.unwrap_or(slice::from_ref(&all)).iter().cloned().flatten() {
+    for i in to_be_asked(beads.len(), first) {
         due.set(i);
     }
     // Whose nearest point was followed from where it was: the curve may have come nearer elsewhere.
@@ -90,8 +88,8 @@ pub fn relax_by_sweeps(
     SlideOutcome { moves, end: end_of(beads, &swings, threshold) }
 }
 
-/// A set of vertices, of which the next one is found in a step for every 4096 between: one bit each, and one for every 64 that are not
-/// all empty.
+/// A set of vertices, of which the next one is found in a step for every 4096 between: one bit each, and one for every 64 that
+/// are not all empty.
 struct Marks {
     bits: Vec<u64>,
     groups: Vec<u64>,
@@ -177,6 +175,7 @@ fn last_bit_before(words: &[u64], i: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
+    use std::slice;
 
     use glam::DVec3;
 
@@ -189,17 +188,8 @@ mod tests {
 
     const CUBIC: Cubic = Cubic { knots: Knots::Centripetal, support: DEFAULT_SUPPORT };
 
-    /// Vertices on a fence of parallel edges, up and down, between fixed ones.
     fn fence(count: usize) -> Beads {
-        let mut beads = Beads::default();
-        beads.push_fixed(DVec3::ZERO);
-        for i in 1..count {
-            let x = i as f64;
-            let edge = Edge { low: DVec3::new(x, -2.0, 0.0), high: DVec3::new(x, 2.0, 0.3 * (0.2 * x).sin()) };
-            beads.push(edge, 0.5 + 0.2 * (1.7 * x).sin() + 0.1 * (0.11 * x).sin());
-        }
-        beads.push_fixed(DVec3::new(count as f64, 0.0, 0.0));
-        beads
+        Beads::on_a_fence(count, 0.1)
     }
 
     #[test]

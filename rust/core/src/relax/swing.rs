@@ -6,6 +6,9 @@
 //!
 //! Holds what the ways of moving one vertex at a time share; which vertex moves when is theirs.
 
+use std::ops::Range;
+use std::slice;
+
 use crate::filter::SlidingFilter;
 use crate::relax::beads::{Beads, Neighbours};
 
@@ -109,6 +112,12 @@ impl Swing {
         let next = if self.damping == 1.0 { self.target } else { (t + self.damping * whole).clamp(0.0, 1.0) };
         beads.slide(i, next);
     }
+}
+
+/// The vertices of `first`, or all where that is `None`: those that may be off their targets when a relaxation begins.
+pub fn to_be_asked(count: usize, first: Option<&[Range<usize>]>) -> impl Iterator<Item = usize> {
+    let all = 0..count;
+    first.unwrap_or(slice::from_ref(&all)).to_vec().into_iter().flatten()
 }
 
 /// How a relaxation that nothing is left to move in has ended.
