@@ -93,8 +93,8 @@ const IMPLICIT_STEPS: u64 = 16;
 /// Measured on 78 lines: with 12 one closed line went on round its picks twice.
 pub const MOVES_BEFORE_STEPS: u64 = 4;
 
-/// Of the steps, so many before vertices are passed: a line that comes to rest in a strip that it has to leave crowds at vertices, and
-/// turns more in the end (by a sixth with sixteen steps in a row, measured on 29 lines).
+/// Of the steps, so many before vertices are passed: a line that comes to rest in a strip that it has to leave crowds at
+/// vertices, and turns more in the end (by a sixth with sixteen steps in a row, measured on 29 lines).
 pub const STEPS_A_ROUND: u64 = 8;
 
 /// Lines of fewer crossings begin with moves one by one, which take longer in all, but not long there: measured on 59 lines, they
@@ -168,8 +168,8 @@ fn finer_move_limit(crossings: usize, at_once: bool) -> u64 {
 
 /// Moves for a short line that its first ones have not brought to rest, in spells between steps of all crossings at once.
 ///
-/// Measured on 1,330 lines of hostile meshes at 1e-4: with these 98 % come to rest, with a quarter 95 %. Long lines would take that and more, and drafts are left as
-/// their first moves left them.
+/// Measured on 1,330 lines of hostile meshes at 1e-4: with these 98 % come to rest, with a quarter 95 %. Long lines would take
+/// that and more, and drafts are left as their first moves left them.
 fn rest_move_limit(crossings: usize) -> u64 {
     100_000 + 240 * crossings as u64
 }

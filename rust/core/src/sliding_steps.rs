@@ -88,7 +88,7 @@ pub struct Sliders<'a> {
     /// All crossings and pins.
     pub beads: &'a mut Beads,
     /// Ranges of beads.
-    pub near_open: Option<&'a [Range<usize>]>,
+    pub may_be_off: Option<&'a [Range<usize>]>,
     /// In which they move where they do not move at once.
     pub order: Order,
 }
@@ -243,7 +243,7 @@ impl Stages {
             self.needs_steps = end != SlideEnd::Settled;
             if self.needs_steps {
                 // The steps move what they will, and more than was off at first may be then.
-                sliders.near_open = None;
+                sliders.may_be_off = None;
             }
             if !self.needs_steps || moves == 0 {
                 break;
@@ -268,7 +268,7 @@ impl Sliders<'_> {
         observer: &mut dyn Observer,
     ) -> Result<ImplicitOutcome> {
         let ask = || go_on(observer, Step::Relax);
-        let outcome = match self.near_open {
+        let outcome = match self.may_be_off {
             None => relax_implicitly(self.beads, filter, threshold, most, time_step, ask)?,
             Some(near) => relax_ranges_implicitly(self.beads, near, filter, threshold, most, time_step, ask)?,
         };
@@ -292,8 +292,8 @@ impl Sliders<'_> {
             flow
         };
         let outcome = match self.order {
-            Order::Heap => relax_by_heap(self.beads, filter, threshold, move_limit, self.near_open, on_pause),
-            Order::Sweeps => relax_by_sweeps(self.beads, filter, threshold, move_limit, self.near_open, on_pause),
+            Order::Heap => relax_by_heap(self.beads, filter, threshold, move_limit, self.may_be_off, on_pause),
+            Order::Sweeps => relax_by_sweeps(self.beads, filter, threshold, move_limit, self.may_be_off, on_pause),
         };
         report.moves += outcome.moves;
         if is_stopped { Err(Error::Interrupted) } else { Ok(outcome) }
@@ -315,7 +315,7 @@ fn settle_by_newton(
             return Ok(true);
         }
         let moves = MOVES_BETWEEN_STARTS * beads.len() as u64;
-        let mut all = Sliders { beads: &mut *beads, near_open: None, order: Order::Heap };
+        let mut all = Sliders { beads: &mut *beads, may_be_off: None, order: Order::Heap };
         all.slide_one_by_one(filter, NEWTON_TOLERANCE, moves, report, observer)?;
     }
     Ok(false)

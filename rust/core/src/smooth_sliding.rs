@@ -67,11 +67,11 @@ pub fn smooth_sliding(
         let mut beads = Beads::of_route(mesh, route);
         go_on(observer, Step::Relax)?;
         let margin = 2 * filter.reach();
-        let near_open = match &rested {
+        let may_be_off = match &rested {
             Some((before, threshold)) if *threshold == stages.threshold() => Some(beads.changed_since(before, margin)),
             _ => beads.near_open(route, &is_open, margin),
         };
-        let mut sliders = Sliders { beads: &mut beads, near_open: near_open.as_deref(), order };
+        let mut sliders = Sliders { beads: &mut beads, may_be_off: may_be_off.as_deref(), order };
         let StepEnd { end, by_newton: is_newton } = stages.relax(&mut sliders, filter, report, observer)?;
         if let (true, false, Some(before)) = (by_newton, is_newton, settled.take()) {
             // The passes of the last round lead to a strip on which the line does not come to rest: without them.
